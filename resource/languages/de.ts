@@ -3283,6 +3283,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/assembly.py"/>
+        <source>stopped, not yet recorded</source>
+        <translation>gestoppt, noch nicht aufgezeichnet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/assembly.py"/>
+        <source>stopped, not yet recorded: {why}</source>
+        <translation>gestoppt, noch nicht aufgezeichnet: {why}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/assembly.py"/>
         <source>the disk of log_dir takes no data. The robot gets STOP all the same. Check the disk</source>
         <translation>die Festplatte von log_dir nimmt keine Daten an. Der Roboter bekommt STOP trotzdem. Prüfen Sie die Festplatte</translation>
     </message>
@@ -3305,11 +3315,6 @@
         <location filename="../../src/roah_rsbb/box/calls.py"/>
         <source>not saved: internal error. It counts until the box ends. Report the error in the core&apos;s log</source>
         <translation>nicht gespeichert: interner Fehler. Die Eingabe zählt, bis die Box endet. Melden Sie den Fehler aus dem Log des Cores</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/box/calls.py"/>
-        <source>stopped, not yet recorded: {why}</source>
-        <translation>gestoppt, noch nicht aufgezeichnet: {why}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/calls.py"/>

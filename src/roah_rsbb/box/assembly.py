@@ -57,6 +57,9 @@ class BoxPlace(NamedTuple):
     standby_port: int = 0  # 0: no standby
 
 
+# The answers to a STOP that is not on the disks yet. It has been sent.
+NOT_YET = say("stopped, not yet recorded")
+NOT_RECORDED = say("stopped, not yet recorded: {why}")
 HANGS = say("the disk of log_dir takes no data. The robot gets STOP all the same. Check the disk")
 NOT_WRITTEN = say("the journal cannot be written: {why}. The robot gets STOP all the same. Free or repair the disk of "
                   "log_dir")
@@ -189,12 +192,16 @@ class CoreAssembly:
             self.event(self.box.on_notice, warning)
 
     def why_not_recorded(self, ticket: int) -> str:
-        """Return on which disk a STOP is missing, and why; empty: on none, or for a moment only."""
-        if self.store.is_waiting(ticket):
-            return HANGS
-        if self.store.problem:
-            return NOT_WRITTEN(why=self.store.problem)
-        return NOT_THERE if self.box.copies.are_two and not self.box.copies.is_worth_waiting(self.now()) else ""
+        """Return that a STOP is missing on a disk, and why, as far as that is known; empty: it is on all, or will be
+        within a moment."""
+        is_waiting = self.store.is_waiting(ticket)
+        if is_waiting and not self.store.hangs:
+            return NOT_YET
+        why = HANGS if is_waiting else NOT_WRITTEN(why=self.store.problem) if self.store.problem else ""
+        copies = self.box.copies
+        if not why and copies.are_two and not copies.is_worth_waiting(self.now()):
+            why = NOT_THERE
+        return NOT_RECORDED(why=why) if why else ""
 
     def unsaved(self) -> Tuple[UnsavedParts, ...]:
         """Return the parts of records that are not on all disks yet: see `CoreJournal.unsaved`."""

@@ -26,8 +26,6 @@ from roah_rsbb.wording.whole_box import ending
 NOT_SAVED = say("not saved: {why}. It counts, and is saved as soon as the disk can be written: do not enter it again. "
                 "Free or repair the disk of log_dir")
 NOT_RECORDED = say("not saved: internal error. It counts until the box ends. Report the error in the core's log")
-# The answer to a STOP that is not on the disks yet. It has been sent.
-STOP_NOT_RECORDED = say("stopped, not yet recorded: {why}")
 NO_OBJECT = say("The values of the fields are not a JSON object, such as {example}")(example='{"robot": "r1"}')
 UNKNOWN = say("The call has {name}, which is unknown: the values of the fields of an action go into given")
 NO_TEXT = say("{name} is not a text of at most {most} characters")
@@ -123,7 +121,7 @@ class BoxCalls:
         self.stop(run_of(found), who_of(found))
         ticket = self._disks.ticket()
         why = "" if ticket is None else self._disks.why_not_recorded(ticket)
-        return {"unsaved": encode(STOP_NOT_RECORDED(why=why))} if why else None
+        return {"unsaved": encode(why)} if why else None
 
     def _sheet(self, found: Mapping[str, Any], caller: Caller) -> Any:
         return write(self.sheet(run_of(found)))

@@ -391,7 +391,10 @@ class Box:
             return None
         taken = run.on_report(now, host, report, arrival)
         if taken is not Consequence.NONE:
-            self.robots.hear(arrival, run.robot, host, report.time, certain=True)
+            heard = self.robots.hear(arrival, run.robot, host, report.time, certain=True)
+            rivals = heard and self.watches.rivals(now, heard)
+            if rivals:
+                self._outbox.notice(Level.WARNING, rivals)
         is_due = self.heard.take_due()
         if is_due:
             self._outbox.mark_box_changed()

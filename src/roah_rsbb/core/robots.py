@@ -12,7 +12,7 @@ better one.
 
 import collections
 import math
-from typing import Callable, Container, Dict, List, NamedTuple, Optional, Tuple
+from typing import Callable, Container, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.link.skew import WINDOW_S, SkewEstimate, skew_off, within
 from roah_rsbb.model.clock import Now
@@ -59,7 +59,8 @@ class RobotId(NamedTuple):
 class Rival(NamedTuple):
     """Another address that uses a robot's name."""
 
-    mono: float  # when it was heard last (s)
+    since: float  # monotonic time (s) when it was heard first
+    mono: float  # when it was heard last
     skew: float  # seconds
 
 
@@ -76,6 +77,7 @@ class ActiveRobot:
         # Monotonic time (s), of a beacon that may be its own: once an address used the password, from there. A robot in
         # a run sends none.
         self.last_beacon: Optional[float] = None
+        self.has_moved = False  # the message before its last one came from another address
         self.time: WireTime = NEVER  # the robot's own, from its last message
         self.skew = SkewEstimate()
         self.confirmed_host: Optional[str] = None  # the last host that used the team's password
@@ -93,6 +95,10 @@ class ActiveRobot:
     def rivals(self, now: Now) -> Dict[str, Rival]:
         """Return the other addresses that use the same name right now."""
         return {host: rival for host, rival in self._rivals.items() if now.mono - rival.mono <= LATE_S}
+
+    def is_here(self, rivals: Mapping[str, Rival]) -> bool:
+        """Whether it was heard at its own address since one of its rivals was. Otherwise, it may have moved."""
+        return any(rival.since <= self.last_heard.mono for rival in rivals.values())
 
     def has_two_clocks(self, now: Now) -> bool:
         """Whether beacons from its own address show two clocks: somebody forges that address."""
@@ -130,7 +136,7 @@ class ActiveRobot:
         skew = wire_seconds(time) - now.utc
         if not certain and now.mono - self._confirmed_mono <= LATE_S:
             if host == self.host:  # it is there; but its clock is that of its messages
-                self.last_beacon, self.last_heard = now.mono, now
+                self.last_beacon, self.last_heard, self.has_moved = now.mono, now, False
             else:
                 self._note_rival(now, host, skew)
             return
@@ -151,6 +157,7 @@ class ActiveRobot:
             self._back = [*self._back[-1:], now.mono]
         if not certain and self.confirmed_host in (None, host):
             self.last_beacon = now.mono
+        self.has_moved = host != self.host
         self.host = host
         self.last_heard = now
         self.time = time
@@ -159,7 +166,8 @@ class ActiveRobot:
     def _note_rival(self, now: Now, host: str, skew: float) -> None:
         self._rivals = self.rivals(now)
         if host in self._rivals or len(self._rivals) < MAX_RIVALS:
-            self._rivals[host] = Rival(now.mono, skew)
+            known = self._rivals.get(host)
+            self._rivals[host] = Rival(now.mono if known is None else known.since, now.mono, skew)
 
 
 class _Pauses:

@@ -91,9 +91,12 @@ class Watches:
         return HELD(address=self._held_by)
 
     def rivals(self, now: Now, robot: ActiveRobot) -> Optional[str]:
-        """Warn of several hosts that use one robot's name, if there are any."""
+        """Warn of several hosts that use one robot's name, if there are any. A robot that moved is no longer where the
+        warning before says."""
         rivals = robot.rivals(now)
-        if not rivals:
+        if not robot.is_here(rivals):
+            if robot.has_moved:
+                self._kept.pop(("rival", robot.id), None)
             return None
         hosts = sorted(rivals, key=lambda host: -rivals[host].mono)
         others = " and ".join(hosts[:2]) + (f" and {len(hosts) - 2} more" if len(hosts) > 2 else "")

@@ -130,8 +130,15 @@ class Journal:
         return ticket
 
     def is_waiting(self, ticket: int) -> bool:
-        """Whether the disk hangs and has not taken this ticket yet. A problem is not waited for."""
+        """Whether this ticket is not written yet: the disk hangs, or this computer is busy. A problem is not waited
+        for."""
         return self.committed < ticket and not self._problem
+
+    @property
+    def hangs(self) -> bool:
+        """Whether the disk has taken no data for a while."""
+        ticket, since = self._awaited
+        return self.committed < ticket and self._clock() - since >= SLOW_S
 
     @property
     def next_ticket(self) -> int:
@@ -154,8 +161,8 @@ class Journal:
         self._await(self._ticket)
         ticket, since = self._awaited
         is_slow = self.saved < ticket and self._clock() - since >= SLOW_S
-        self._slow = "" if not is_slow else (
-            f"{_HANGS}" if self.committed < ticket else f"is slow. {_AT_STAKE}. Use another disk for log_dir")
+        self._slow = _HANGS if self.hangs else (
+            f"is slow. {_AT_STAKE}. Use another disk for log_dir" if is_slow else "")
         self._report()
 
     def forget_previous(self) -> None:

@@ -35,7 +35,7 @@ from roah_rsbb.referee.state import (
     sheet_json,
     zone_json,
 )
-from roah_rsbb.referee.stopping import Stopping, TypedStops
+from roah_rsbb.referee.stopping import STOP_HINT, STOP_HINT_ALL, Stopping, TypedStops
 from roah_rsbb.referee.words import (
     GIVE_AGAIN,
     NOT_ATTEMPTED,
@@ -52,12 +52,10 @@ from roah_rsbb.wording.stop import NOT_DELIVERED_S, leaving
 from roah_rsbb.wording.texts import escaped
 
 WATCH_STEP_S = 1.0
-STOP_HINT = "type 'stop' to stop the run, 'stop all' to stop the runs of all zones"
 # How the terminal confirms what `choose` asks for.
 GIVE_UNSIGNED = "Give --unsigned to leave it, or sign it off first ('sign-off')"
 # A command that takes longer reads STOP from the keyboard while it waits.
 SLOW_S = 1.0
-STOP_HINT_ALL = "type 'stop ZONE' to stop a run, 'stop all' to stop the runs of all zones"
 
 
 def _status(link: Link, options, output: Output) -> Exit:
@@ -94,7 +92,7 @@ def _keyboard(
     """Return what reads the lines that are typed; None: there is no terminal, and not `always` a reader."""
     if not always and not sys.stdin.isatty():
         return contextlib.nullcontext()
-    return Keyboard(_typed_stops(link, output, zone),
+    return Keyboard(_typed_stops(link, output, zone, always),
                     functools.partial(_note, output, zone, at_end) if at_end else lambda: None)
 
 
@@ -104,12 +102,12 @@ def _slow_keyboard(link: Link, options: Any, output: Output) -> ContextManager[A
         return contextlib.nullcontext()
     zone = getattr(options, "zone", None) or ""
     hint = STOP_HINT if zone else STOP_HINT_ALL
-    return Keyboard(_typed_stops(link, output, zone), begin_s=SLOW_S,
+    return Keyboard(_typed_stops(link, output, zone, False), begin_s=SLOW_S,
                     at_begin=functools.partial(_note, output, zone, hint))
 
 
-def _typed_stops(link: Link, output: Output, zone: str) -> TypedStops:
-    return TypedStops(link, output.stop, functools.partial(_note, output, zone), zone)
+def _typed_stops(link: Link, output: Output, zone: str, has_answers: bool) -> TypedStops:
+    return TypedStops(link, output.stop, functools.partial(_note, output, zone), zone, has_answers)
 
 
 def _note(output: Output, zone: str, text: str) -> None:

@@ -8,7 +8,7 @@ import sys
 import textwrap
 import threading
 import time
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Optional, Tuple
 
 from roah_rsbb.referee import view
 from roah_rsbb.referee.args import PROG
@@ -31,7 +31,7 @@ class Output:
         fancy = sys.stdout.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
         self.style = view.Style(fancy, Moments(in_utc))
         self._writing = threading.Lock()  # a STOP reports from a thread of its own
-        self._stops: Dict[str, str] = {}  # by zone, what was said last of its STOP
+        self._stops: Dict[str, Tuple[str, str]] = {}  # by zone, what was said last of its STOP
 
     def lines(self, lines: List[str], end: str = "\n") -> None:
         """Write lines of text; `end`: after the last one."""
@@ -61,9 +61,10 @@ class Output:
         if self.json:
             self.object({"utc_s": time.time(), "kind": "stop", **line._asdict()})
             return
-        width, more = self._width(), [*line.not_stopped, *filter(None, [line.trouble])]
-        is_news = self._stops.get(line.zone) != line.text
-        self._stops[line.zone] = line.text
+        width, (text, trouble) = self._width(), self._stops.get(line.zone, ("", ""))
+        more = [*line.not_stopped, *([line.trouble] if line.trouble not in ("", trouble) else [])]
+        is_news = text != line.text
+        self._stops[line.zone] = line.text, line.trouble
         found = _wrapped(escaped(line.text), width, "") if is_news else []
         found += [part for text in more for part in _wrapped(escaped(text), width, "    ")]
         self.lines([self.style(view.RED, part) if line.is_lost else part for part in found])

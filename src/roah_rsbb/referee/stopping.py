@@ -17,8 +17,9 @@ from roah_rsbb.model.reason import decode
 from roah_rsbb.model.zone import ENDED, RUNNING, ZoneSeen
 from roah_rsbb.referee.at_once import EarlyStop, is_all
 from roah_rsbb.referee.exits import Exit
-from roah_rsbb.referee.words import BadWord, pick_zone, stop_wanted
+from roah_rsbb.referee.words import STOPS, BadWord, pick_zone, stop_wanted
 from roah_rsbb.wording.stop import DONE, LOST, NOT_DELIVERED_S, Way, way, way_text
+from roah_rsbb.wording.suggestions import nearest
 
 # How often the way is looked at while nothing happens.
 STEP_S = 1.0
@@ -26,6 +27,8 @@ STEP_S = 1.0
 FOREVER_S = 1e9
 # Named in a line while no zone is known.
 ALL_ZONES, THE_RUN = "all zones", "the run"
+STOP_HINT = "type 'stop' to stop the run, 'stop all' to stop the runs of all zones"
+STOP_HINT_ALL = "type 'stop ZONE' to stop a run, 'stop all' to stop the runs of all zones"
 
 
 class StopLine(NamedTuple):
@@ -243,13 +246,15 @@ class TypedStops:
 
     def __init__(
         self, link: Any, report: Callable[[StopLine], None], note: Callable[[str], None], own_zone: str = "",
+        has_answers: bool = True,
     ) -> None:
         """`link`: see `Stopping`. `note` shows why a STOP was not sent, and `own_zone` is the zone of a "stop" without
-        one."""
+        one. `has_answers`: whether other lines may be answers to questions."""
         self._link = link
         self._report = report
         self._note = note
         self._own_zone = own_zone
+        self._has_answers = has_answers
         self._threads: List[threading.Thread] = []
         self.of_own_zone = False  # the zone of this command was stopped, or all zones
         self.after: Optional[Callable[[], None]] = None  # called after each STOP
@@ -258,6 +263,11 @@ class TypedStops:
         """Whether the line is a STOP, which has begun then."""
         word = stop_wanted(line)
         if word is None:
+            typed = line.strip()
+            is_like_stop = nearest(typed.partition(" ")[0], STOPS) is not None
+            if typed and (is_like_stop or not self._has_answers):
+                self._note(f"{'NOT STOPPED: ' if is_like_stop else ''}'{typed}' is no command: "
+                           + (STOP_HINT if self._own_zone else STOP_HINT_ALL))
             return False
         if is_all(word) or self._own_zone.casefold().startswith(word.casefold()):
             self.of_own_zone = True

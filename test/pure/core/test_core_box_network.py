@@ -200,6 +200,26 @@ def test_a_robot_with_a_new_address_in_its_run_is_not_reported_as_two():
     assert driver.channels == {robot.port + 1: "10.0.0.77"}
 
 
+@pytest.mark.parametrize("both_s", [0, 2])
+def test_a_robot_that_is_restarted_at_another_address_in_its_run_is_not_to_be_taken_off_the_network(both_s):
+    driver = BoxDriver()
+    old = driver.executing()
+    new = driver.robot(host="10.0.0.33")
+    new.port = old.port
+    for _ in range(both_s):
+        old.says(after=1.0)
+        new.beacon()
+    seen = []
+    for _ in range(5):
+        driver.run(0.9)
+        new.beacon()
+        seen.append("Two robots" in views.box_status(driver.box, driver.now))
+    new.says()
+    assert driver.channels == {new.port: "10.0.0.33"}
+    assert (seen[0], any(seen[4:])) == (both_s > 0, False)
+    assert "Two robots" not in views.box_status(driver.box, driver.now)
+
+
 def test_a_recording_of_an_earlier_run_is_refused_before_the_robot_says_a_word():
     driver = BoxDriver(competition(tbm=["HWV", "HWV"]))
     robot = driver.executing()

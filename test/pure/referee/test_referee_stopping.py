@@ -8,7 +8,7 @@ from helpers.referee_box import box, running_zone, zone
 from roah_rsbb.client.client import Answer
 from roah_rsbb.referee.at_once import is_all
 from roah_rsbb.referee.exits import Exit
-from roah_rsbb.referee.stopping import Stopping, TypedStops, ZoneStop
+from roah_rsbb.referee.stopping import STOP_HINT, Stopping, TypedStops, ZoneStop
 from roah_rsbb.referee.words import BadWord, stop_wanted
 
 ENDED = {"phase": "ended", "end_reason": "stopped"}
@@ -251,6 +251,20 @@ def test_typed_stops_wait_for_no_other():
     stops.wait()
     (note,) = notes
     assert note.startswith("NOT STOPPED: no zone 'nowhere'")
+
+
+@pytest.mark.parametrize("line, with_answers, alone", [
+    ("stpo", "NOT STOPPED: 'stpo' is", "NOT STOPPED: 'stpo' is"),
+    (" sto arena\n", "NOT STOPPED: 'sto arena' is", "NOT STOPPED: 'sto arena' is"),
+    ("stop-all", "NOT STOPPED: 'stop-all' is", "NOT STOPPED: 'stop-all' is"),
+    ("start", "", "'start' is"), ("kitchen table", "", "'kitchen table' is"), ("\n", "", ""),
+])
+def test_a_line_that_is_no_stop_is_answered_if_nothing_else_reads_it_or_a_stop_was_probably_meant(
+        line, with_answers, alone):
+    for has_answers, begin in ((True, with_answers), (False, alone)):
+        notes = []
+        assert not TypedStops(StopCore(), None, notes.append, "Hall", has_answers).take(line)
+        assert notes == ([f"{begin} no command: {STOP_HINT}"] if begin else [])
 
 
 def test_a_run_that_its_program_stopped_first_is_shown_as_stopped():
