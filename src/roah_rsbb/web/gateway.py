@@ -75,7 +75,7 @@ class Gateway:
         displays = open_kept(log_dir, DISPLAYS_FILE, Displays, {}, _log.error, "set what the displays show again")
         self._certificate = _certificate(*files) if all(files) else None
         self._url = ""  # for paired devices
-        calls = PairingCalls(lambda: self._server, lambda: self._url)
+        calls = PairingCalls(loop, lambda: self._server, lambda: self._url)
         self._client = host.make_client(lambda: self._server.follow(), calls.named())
         languages = catalogues.translations(sorted((host.resource / "languages").glob("*.ts")))
         store = Store(self._client, languages, title, logos=read_logos(logos, _log.warning))

@@ -1,13 +1,51 @@
 """Files of the gateway: only their user may read them, and each is complete or unchanged after a power cut."""
 
+import asyncio
+import concurrent.futures
 import json
 import os
+import threading
 from typing import Any, Callable, TypeVar
 
 from roah_rsbb import durable
 
 T = TypeVar("T")
 Save = Callable[[Any], None]
+
+
+class Keeper:
+    """Saves in threads, one after the other: while a disk hangs, the loop serves pages and STOP.
+
+    They are daemons, because a process must be able to end beside a disk that hangs.
+    """
+
+    def __init__(self, save: Save) -> None:
+        """`save` keeps a content and raises OSError."""
+        self._save = save
+        self.newest: concurrent.futures.Future[None] = concurrent.futures.Future()
+        """Ends when the newest content is on the disk, with an OSError if it cannot be saved."""
+        self.newest.set_result(None)
+
+    def keep(self, content: Any) -> None:
+        """Begin to save a content."""
+        before, self.newest = self.newest, concurrent.futures.Future()
+        self.newest.set_running_or_notify_cancel()  # who waits may give up
+        threading.Thread(target=self._work, args=(before, content, self.newest), name="kept", daemon=True).start()
+
+    async def wait(self) -> None:
+        """Wait until the newest content is on the disk. Raises OSError."""
+        await asyncio.wrap_future(self.newest)
+
+    def _work(
+        self, before: "concurrent.futures.Future[None]", content: Any, kept: "concurrent.futures.Future[None]",
+    ) -> None:
+        concurrent.futures.wait([before])
+        try:
+            self._save(content)
+        except Exception as error:
+            kept.set_exception(error)
+        else:
+            kept.set_result(None)
 
 
 def open_kept(

@@ -9,6 +9,7 @@ import hashlib
 import secrets
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.web.kept_file import Keeper, Save
 from roah_rsbb.web.limits import Rates
 from roah_rsbb.wording import device, sheets
 from roah_rsbb.wording.language import tr
@@ -134,11 +135,13 @@ class Codes:
             self._guesses.was_right(address)
         return self._codes[found][0]
 
-    def use_up(self, given: str) -> None:
-        """The code, and its link, are for one device."""
+    def use_up(self, given: str) -> Callable[[], None]:
+        """The code, and its link, are for one device. Returns what lets it be used again."""
         found = self._find(given)
-        if found is not None:
-            del self._codes[found]
+        if found is None:
+            return lambda: None
+        code = self._codes.pop(found)
+        return lambda: self._codes.update({found: code})
 
     def _find(self, given: str) -> Optional[Tuple[str, str]]:
         hashed = _hash(signs_of(given))
@@ -151,9 +154,10 @@ class Codes:
 class Sessions:
     """The paired devices."""
 
-    def __init__(self, save: Callable[[List[Dict[str, Any]]], None], saved: Iterable[Dict[str, Any]] = ()) -> None:
+    def __init__(self, save: Save, saved: Iterable[Dict[str, Any]] = ()) -> None:
         """`save` keeps the sessions and raises OSError; `saved`: what it kept before."""
-        self._save = save
+        self.kept = Keeper(save)
+        """Changes count at once. Wait for it before you answer."""
         self._sessions: Dict[str, DeviceSession] = {}  # by hash of the token, oldest first
         for record in saved:
             hashed, session = _session_of(record)
@@ -184,11 +188,7 @@ class Sessions:
         hashed = _hash_of(token, is_encrypted)
         self._sessions[hashed] = DeviceSession(
             secrets.token_hex(4), grant, person, plain(name) or "browser", utc, is_encrypted=is_encrypted)
-        try:
-            self._write()
-        except OSError as error:
-            del self._sessions[hashed]
-            raise NotPaired(tr(device.NOT_SAVED, error=error)) from error
+        self._write()
         return token
 
     def of(self, utc: float, token: str, is_encrypted: bool = False) -> Optional[DeviceSession]:
@@ -204,10 +204,8 @@ class Sessions:
         return session
 
     def revoke(self, session_id: str) -> List[DeviceSession]:
-        """End the pairing of a device; empty: of all. Returns which were ended.
-
-        Raises OSError if that cannot be saved: the pairing has ended, but would be valid again after a restart.
-        """
+        """End the pairing of a device; empty: of all. Returns which were ended. If that cannot be saved, they are valid
+        again after a restart."""
         ended = {hashed: one for hashed, one in self._sessions.items() if session_id in ("", one.id)}
         for hashed in ended:
             del self._sessions[hashed]
@@ -219,7 +217,7 @@ class Sessions:
         self._sessions = {hashed: one for hashed, one in self._sessions.items() if not _is_old(one, utc)}
 
     def _write(self) -> None:
-        self._save([
+        self.kept.keep([
             {"token_sha256": hashed, "id": one.id, "role": one.grant.role, "zone": one.grant.zone,
              "person": one.person, "device": one.device, "paired_utc": one.paired_utc, "seen_utc": one.seen_utc,
              "is_encrypted": one.is_encrypted}

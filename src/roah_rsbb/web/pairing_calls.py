@@ -1,10 +1,12 @@
 """The calls of the gateway, which it offers through the door of the box (docs/door.md, "Calls of the web pages"): codes
 for devices and the list of paired devices (docs/web.md, "Pairing"), and the codes of teams ("Pages of teams")."""
 
+import asyncio
+import concurrent.futures
 import logging
 from typing import Any, Callable, Dict, Mapping
 
-from roah_rsbb.document.calls import Call, Caller
+from roah_rsbb.document.calls import Call, Caller, InThread
 from roah_rsbb.model.fields import is_encodable
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.web_calls import PAIR, PAIRED, REVOKE, TEAM_CODES
@@ -13,6 +15,9 @@ from roah_rsbb.web.server import WebServer
 from roah_rsbb.wording.device import CODES_NOT_SAVED
 from roah_rsbb.wording.suggestions import did_you_mean
 
+# A disk may take so long, and whoever calls hears of it.
+DISK_S = 3.0
+_HANGS = "the disk takes no data"
 # Characters of a text. The longest name of a zone is shorter.
 MAX_TEXT = 500
 
@@ -20,11 +25,12 @@ _log = logging.getLogger(__name__)
 
 
 class PairingCalls:
-    """Pairs devices, and gives teams their codes. Everything is done in the loop's thread."""
+    """Pairs devices, and gives teams their codes. Everything is done in the loop's thread; only disks are waited for in
+    others."""
 
-    def __init__(self, server: Callable[[], WebServer], url: Callable[[], str]) -> None:
+    def __init__(self, loop: asyncio.AbstractEventLoop, server: Callable[[], WebServer], url: Callable[[], str]) -> None:
         """`server` is asked with each call; `url`: of the pages, for devices; empty: they are not served yet."""
-        self._find_server, self._url = server, url
+        self._loop, self._find_server, self._url = loop, server, url
 
     @property
     def _server(self) -> WebServer:
@@ -63,27 +69,39 @@ class PairingCalls:
             for one in self._server.sessions.listed(self._server.utc())]}
 
     def _revoke(self, found: Mapping[str, Any], caller: Caller) -> Any:
-        try:
-            ended = self._server.revoke(_text(found, "device"))
-        except OSError as error:
-            raise Refused([f"ended, but not saved ({error}): it would be valid again after a restart. Free or repair "
-                           "the disk of log_dir, and try again"]) from None
+        ended = self._server.revoke(_text(found, "device"))
         for one in ended:
             _log.info("Pairing ended: %s", one.who)
-        return {"revoked": len(ended)}
+
+        def answer() -> Any:
+            _wait(self._server.sessions.kept.newest, "ended, but not saved ({error}): it would be valid again after a "
+                  "restart. Free or repair the disk of log_dir, and try again")
+            return {"revoked": len(ended)}
+
+        return InThread(answer)
 
     def _team_codes(self, found: Mapping[str, Any], caller: Caller) -> Any:
-        codes, teams, renews = self._server.team_codes, self._server.store.teams(), found.get("renew") is True
-        try:
+        server, teams, renews = self._server, self._server.store.teams(), found.get("renew") is True
+        kept = asyncio.run_coroutine_threadsafe(server.team_codes.keep(renews), self._loop)
+
+        def answer() -> Any:
+            _wait(kept, CODES_NOT_SAVED)
             if renews:
-                codes.renew()
-            answer = {"team_pages": self._server.team_pages, "teams": teams,
-                      "codes": [codes.code(team) for team in teams]}
-        except OSError as error:
-            raise Refused([CODES_NOT_SAVED.format(error=error)]) from None
-        if renews:
-            _log.info("All teams have new codes")
-        return answer
+                _log.info("All teams have new codes")
+            return {"team_pages": server.team_pages, "teams": teams,
+                    "codes": [server.team_codes.code(team) for team in teams]}
+
+        return InThread(answer)
+
+
+def _wait(kept: "concurrent.futures.Future[None]", refusal: str) -> None:
+    """Wait in a thread until something is on the disk. Raises `Refused` if it is not: a text with the error."""
+    try:
+        kept.result(DISK_S)
+    except concurrent.futures.TimeoutError:
+        raise Refused([refusal.format(error=_HANGS)]) from None
+    except OSError as error:
+        raise Refused([refusal.format(error=error)]) from None
 
 
 def _text(found: Mapping[str, Any], name: str) -> str:

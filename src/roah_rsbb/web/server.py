@@ -197,11 +197,10 @@ class WebServer:
         return time.time()
 
     def revoke(self, session_id: str) -> List[DeviceSession]:
-        """End the pairing of a device; empty: of all. Raises OSError as `Sessions.revoke` does."""
-        try:
-            return self.sessions.revoke(session_id)
-        finally:
-            self._close_unpaired()
+        """End the pairing of a device; empty: of all. Returns which were ended: see `Sessions.revoke`."""
+        ended = self.sessions.revoke(session_id)
+        self._close_unpaired()
+        return ended
 
     def _close_unpaired(self) -> None:
         paired = {session.id for session in self.sessions.listed(self.utc())}

@@ -150,8 +150,8 @@ class OfOrganiser(FromOwnPage):
 class PairHandler(FromOwnPage):
     """Pairs a device that has a code."""
 
-    def post(self) -> None:
-        """Take the code, and answer with the session's cookie."""
+    async def post(self) -> None:
+        """Take the code, and answer with the session's cookie when the session is on the disk."""
         server = self._server
         code, before = self.text("code"), self.session()
         with server.store.speaking(self.language()):
@@ -165,12 +165,21 @@ class PairHandler(FromOwnPage):
             except NotPaired as refused:
                 self.refuse(403, str(refused))
                 return
-        server.codes.use_up(code)
+        let_again = server.codes.use_up(code)
+        session = server.sessions.of(server.utc(), token, self.is_encrypted)
+        try:
+            await server.sessions.kept.wait()
+        except OSError as error:
+            server.revoke(session.id)
+            let_again()
+            with server.store.speaking(self.language()):
+                self.refuse(403, tr(device.NOT_SAVED, error=error))
+            return
         if before is not None:
             server.revoke(before.id)
         self.set_cookie(self.cookie, token, path="/", max_age=int(SESSION_VALID_S), httponly=True, samesite="Strict",
                         secure=self.is_encrypted)
-        self.finish(described(server.sessions.of(server.utc(), token, self.is_encrypted)))
+        self.finish(described(session))
 
 
 class SessionHandler(FromOwnPage):
@@ -180,11 +189,11 @@ class SessionHandler(FromOwnPage):
         """Return it, or 401 if the device is not paired."""
         self.finish(described(self.needed_session()))
 
-    def delete(self) -> None:
+    async def delete(self) -> None:
         """End the pairing of this device."""
-        session = self.needed_session()
+        self._server.revoke(self.needed_session().id)
         try:
-            self._server.revoke(session.id)
+            await self._server.sessions.kept.wait()
         except OSError as error:
             self.refuse(500, str(error))
             return

@@ -30,7 +30,7 @@ NO_ANSWER = tr_later("No answer from the core: it may have been done. Check the 
 WRONG_TEAM_CODE = tr_later("This code is wrong")
 TOO_MANY_TEAM_GUESSES = tr_later("Too many wrong codes: wait a minute, then try again")
 CODES_NOT_SAVED = tr_later("The codes cannot be saved ({error}): free or repair the disk of log_dir")
-# Why an organiser's setting of a display has no effect.
+# Why an organiser's setting of a display has no effect, or none after a restart.
 NO_SUCH_DISPLAY = tr_later("This display is not connected")
 TOO_MANY_DISPLAYS = tr_later("Too many displays are set: take some back first")
 SETTING_NOT_SAVED = tr_later("The setting cannot be saved ({error}): free or repair the disk of log_dir")

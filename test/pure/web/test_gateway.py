@@ -4,6 +4,7 @@ import json
 import pathlib
 import shutil
 import stat
+import time
 
 import pytest
 
@@ -12,11 +13,11 @@ from helpers.http_clients import HOST, HttpClients
 from helpers.public_box import PublicBox, event, run
 from helpers.running_loop import running
 from helpers.shown_box import zone_of
-from roah_rsbb.document.calls import Caller
+from roah_rsbb.document.calls import Caller, InThread
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.web_calls import WEB_CALLS
 from roah_rsbb.params import BadParams
-from roah_rsbb.web import opening
+from roah_rsbb.web import opening, pairing_calls
 from roah_rsbb.web.gateway import Gateway, GatewayHost
 from roah_rsbb.web.pairing import FILE
 
@@ -64,7 +65,10 @@ class World(HttpClients):
         return self
 
     def call(self, name, **arguments):
-        return json.loads(json.dumps(self.calls[name](arguments, Caller("referee", HOST))))
+        found = self.calls[name](arguments, Caller("referee", HOST))
+        if isinstance(found, InThread):
+            found = self.running.do(self.running.loop.run_in_executor(None, found.make))
+        return json.loads(json.dumps(found))
 
     def paired(self, person="Anna", **arguments):
         made = self.call("pair", **{"role": "referee", "zone": "Home", **arguments})
@@ -175,7 +179,7 @@ def test_teams_have_their_codes_until_they_are_renewed(world):
     assert len(after["codes"]) == 1 and after["codes"] != before["codes"]
 
 
-def test_what_cannot_be_saved_names_the_remedy(world):
+def test_what_cannot_be_saved_names_the_remedy(world, monkeypatch):
     world.start()
     world.paired()
     (world.folder / FILE).unlink()
@@ -184,6 +188,11 @@ def test_what_cannot_be_saved_names_the_remedy(world):
     with pytest.raises(Refused, match="ended, but not saved .*valid again after a restart"):
         world.call("revoke")
     with pytest.raises(Refused, match="cannot be saved"):
+        world.call("team_codes", renew=True)
+    monkeypatch.setattr(pairing_calls, "DISK_S", 0.01)
+    monkeypatch.setattr("roah_rsbb.web.kept_file.durable.write_file", lambda path, content: time.sleep(0.3))
+    world.folder.unlink()
+    with pytest.raises(Refused, match="cannot be saved .the disk takes no data"):
         world.call("team_codes", renew=True)
     assert world.call("paired") == {"devices": []}
 

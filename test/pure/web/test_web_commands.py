@@ -1,7 +1,9 @@
 """Commands of paired devices: who may give which, and what the server makes of their answers."""
 
+import asyncio
 import json
 import pathlib
+import threading
 
 import pytest
 from tornado import httpclient, websocket
@@ -12,11 +14,13 @@ from roah_rsbb.model.judging import DIFFER, Given, JudgedItem, JudgedRun, Judgin
 from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.web.commands import FIELDS, BadCommand, Outcome, command_of, may
+from roah_rsbb.web.displays.listed import Displays
 from roah_rsbb.web.events import EventsHandler, Reader
 from roah_rsbb.web.limits import Rates
 from roah_rsbb.web.pairing import SESSION_VALID_S, DeviceSession, Grant, Sessions
 from roah_rsbb.web.server import NOT_PAIRED, WebServer
 from roah_rsbb.web.store import Store
+from roah_rsbb.web.teams.codes import TeamCodes
 from roah_rsbb.web.writing import COOKIE, MOST_STOPS, DeviceEventsHandler
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
@@ -108,18 +112,27 @@ class Served(HttpClients):
         self.commands = []
         self.outcome = Outcome(result={"number": 3})
         self.saved = []
-        self.sessions = Sessions(self.saved.append)
+        self.is_free, self.hanging = threading.Event(), 0
+        self.is_free.set()
+        self.sessions = Sessions(self.save)
         store = Store(PublicBox(), GERMAN)
-        self.server = WebServer(running.loop, store, FOLDER, frozenset(), self.sessions, self.carry_out)
+        self.server = WebServer(running.loop, store, FOLDER, frozenset(), self.sessions, self.carry_out,
+                                displays=Displays(self.save, {"ab" * 16: {}}), team_codes=TeamCodes(self.save, {}))
         self.port = self.server.open(HOST, 0)
         self.origin = f"http://{HOST}:{self.port}"
+
+    def save(self, content):
+        if not self.is_free.is_set():
+            self.hanging += 1
+            self.is_free.wait(5.0)  # the disk hangs
+        self.saved.append(content)
 
     async def carry_out(self, command):
         self.commands.append(command)
         return self.outcome
 
     def token(self, role="referee", zone="Home"):
-        return self.sessions.add(self.server.utc(), Grant(role, zone), f"Anna {len(self.saved)}", "iPhone")
+        return self.sessions.add(self.server.utc(), Grant(role, zone), f"Anna {len(self.sessions.listed(0.0))}", "iPhone")
 
     def send(self, name, body, token="", **headers):
         headers = {"Origin": self.origin, "Content-Type": "application/json", "Cookie": f"{COOKIE}={token}", **headers}
@@ -229,6 +242,26 @@ def test_stop_needs_no_new_connection(served, outcome, code):
     answer = stopped(served, served.device(served.token(), path="stop"), 7)
     assert answer["status"] == code and bool(answer.get("reasons")) == (code != 200)
     assert [(one.name, one.zone, one.fields) for one in served.commands] == [("stop", "Home", {"identity": "run"})]
+
+
+@pytest.mark.parametrize("method, path, body, code", [
+    ("POST", "pair", {"person": "Ben", "device": "iPad"}, 200), ("DELETE", "session", None, 204),
+    ("POST", "codes", {}, 200), ("GET", "codes", None, 200), ("POST", "displays", {"id": "ab" * 16}, 200)])
+def test_a_stop_waits_for_no_disk(served, method, path, body, code):
+    token, other = served.token(), served.token("organiser", "")
+    served.running.do(served.sessions.kept.wait())
+    if path == "pair":
+        body = {**body, "code": served.server.codes.make(served.server.now(), Grant("judge", "Home")).typed}
+    served.is_free.clear()
+    asked = asyncio.ensure_future(httpclient.AsyncHTTPClient(force_instance=True).fetch(
+        f"{served.origin}/api/v1/{path}", method=method, body=None if body is None else json.dumps(body), headers={
+            "Origin": served.origin, "Content-Type": "application/json", "Cookie": f"{COOKIE}={other}"}))
+    served.running.until(lambda: served.hanging)
+    before = len(served.saved)
+    assert served.send("stop", {"zone": "Home"}, token).code == 200
+    assert len(served.saved) == before and not asked.done(), "the disk still hangs"
+    served.is_free.set()
+    assert served.running.do(asked).code == code
 
 
 def test_a_stop_waits_for_no_other_stop(served):

@@ -24,7 +24,7 @@ from roah_rsbb.web.displays.listed import (
     setting_of,
 )
 from roah_rsbb.web.displays.logos import MAX_BYTES, read_logos
-from roah_rsbb.web.kept_file import open_kept
+from roah_rsbb.web.kept_file import Keeper, open_kept
 from roah_rsbb.web.pairing import MAX_NAME, Grant
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.web.store import Store
@@ -96,22 +96,24 @@ def test_a_setting_counts_until_it_is_taken_back():
     displays.set(id_of(1), Setting(zone="", show="standings"))
     assert displays.setting(id_of(1)) == Setting(zone="", show="standings", called="Hall")
     displays.remove("window")
+    displays.kept.newest.result()
     again = Displays(kept.append, kept[-1])
     assert again.setting(id_of(1)) == Setting(zone="", show="standings", called="Hall"), "also after a restart"
     (row,) = again.rows()
     assert (row.display, row.name) == (None, "Hall")
     again.set(id_of(1), NOTHING_SET)
+    again.kept.newest.result()
     assert (again.rows(), kept[-1]) == ([], {})
 
 
-def test_a_setting_that_cannot_be_saved_has_no_effect():
+def test_a_setting_that_cannot_be_saved_counts_until_a_restart(served):
     def fails(_records):
         raise OSError("full")
-    displays = Displays(fails, {})
-    displays.add("window", display())
-    with pytest.raises(OSError):
-        displays.set(id_of(1), Setting(show="run"))
-    assert displays.setting(id_of(1)) == NOTHING_SET
+    served.displays.kept = Keeper(fails)
+    served.opened()
+    answer = served.ask({"id": id_of(1), "setting": {"show": "run"}, "language": "de"})
+    assert answer.code == 500 and json.loads(answer.body)["reasons"][0].startswith("auf Deutsch: The setting cannot be")
+    assert served.displays.setting(id_of(1)).show == "run"
 
 
 def test_settings_are_bounded():

@@ -1,5 +1,6 @@
 """Pages of teams: their codes, and what the box knows of their robots."""
 
+import asyncio
 import json
 import pathlib
 import uuid
@@ -50,6 +51,7 @@ def facts_of(made, team=TEAM):
 def test_each_team_has_its_code_which_stays_the_same():
     kept = []
     made = codes(kept)
+    asyncio.run(made.keep())
     assert made.code(TEAM) == made.code(TEAM) != made.code("Other")
     assert len(made.code(TEAM)) == 9
     again = TeamCodes(kept.append, kept[-1])
@@ -67,7 +69,7 @@ def test_a_code_may_be_typed_in_other_ways():
 def test_new_codes_end_the_old_ones():
     made = codes()
     code, token = made.code(TEAM), made.token(TEAM)
-    made.renew()
+    asyncio.run(made.keep(renews=True))
     assert not made.is_code(TEAM, code) and not made.is_token(TEAM, token)
 
 
@@ -75,11 +77,11 @@ def test_codes_that_cannot_be_saved_are_not_shown():
     def fails(_secret):
         raise OSError("full")
     with pytest.raises(OSError):
-        TeamCodes(fails, {}).code(TEAM)
+        asyncio.run(TeamCodes(fails, {}).keep())
     kept = TeamCodes(fails, {"secret": "ab" * 32})
     code = kept.code(TEAM)
     with pytest.raises(OSError):
-        kept.renew()
+        asyncio.run(kept.keep(renews=True))
     assert kept.code(TEAM) == code
 
 
@@ -88,6 +90,7 @@ def test_a_damaged_file_is_moved_aside(tmp_path, content):
     (tmp_path / FILE).write_text(content)
     reports = []
     made = open_kept(str(tmp_path), FILE, TeamCodes, {}, reports.append, "the teams have new codes")
+    asyncio.run(made.keep())
     assert len(made.code(TEAM)) == 9 and len(reports) == 1
     assert (tmp_path / FILE).stat().st_mode & 0o777 == 0o600
 

@@ -210,8 +210,11 @@ class WebParts:
         return InProcessClient(self._running.door, self._box_loop, self._loop, on_change, "referee")
 
     def _in_thread(self, call: Call) -> Call:
-        return lambda arguments, caller: InThread(
-            lambda: call_in_loop(self._loop, lambda: call(arguments, caller)))
+        def make(arguments: Mapping[str, Any], caller: Caller) -> Any:
+            found = call_in_loop(self._loop, lambda: call(arguments, caller))
+            return found.make() if isinstance(found, InThread) else found
+
+        return lambda arguments, caller: InThread(lambda: make(arguments, caller))
 
     def start(self) -> None:
         """Serve as soon as that is possible."""

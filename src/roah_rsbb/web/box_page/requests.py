@@ -1,9 +1,10 @@
 """What the organiser's page asks about pairing: codes for devices, and the list of those that are paired (docs/web.md,
 "Pairing")."""
 
-from typing import Any, Dict
+import asyncio
+from typing import Any
 
-from roah_rsbb.document.calls import Caller
+from roah_rsbb.document.calls import Caller, InThread
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.web_calls import PAIR, PAIRED, REVOKE
 from roah_rsbb.qr_code import modules_of
@@ -18,34 +19,36 @@ from roah_rsbb.wording.times import Moments
 class PairingsHandler(OfOrganiser):
     """The paired devices."""
 
-    def get(self) -> None:
+    async def get(self) -> None:
         """Return the list."""
         own, moments = self.needed_session(), Moments(False)
-        with self._server.store.speaking(self.language()):
-            self._answer(PAIRED, lambda found: {"devices": [
-                {"id": one["id"], "person": one["person"], "device": one["device"], "is_own": one["id"] == own.id,
-                 "role": role_text(one["role"], one["zone"]),
-                 "seen": tr("connected") if one["connected"] else moments.stamp(one["seen"] or one["paired"])}
-                for one in found["devices"]]})
+        await self._answer(PAIRED, lambda found: {"devices": [
+            {"id": one["id"], "person": one["person"], "device": one["device"], "is_own": one["id"] == own.id,
+             "role": role_text(one["role"], one["zone"]),
+             "seen": tr("connected") if one["connected"] else moments.stamp(one["seen"] or one["paired"])}
+            for one in found["devices"]]})
 
-    def post(self) -> None:
+    async def post(self) -> None:
         """Make a code for a device, or end the pairing of the one that is named."""
         ended = self.text("end")
-        with self._server.store.speaking(self.language()):
-            if ended:
-                self._answer(REVOKE, lambda found: found, device=ended)
-            else:
-                self._answer(PAIR, lambda found: {**found, "square": _square(found["url"]),
-                                                  "encryption": encryption_text(found["url"])},
-                             role=self.text("role"), zone=self.text("zone"))
-
-    def _answer(self, name: str, shown: Any, **arguments: str) -> None:
-        try:
-            found: Dict[str, Any] = self._server.calls[name](arguments, Caller(ORGANISER, self.request.remote_ip or ""))
-        except Refused as refused:
-            self.refuse(409, *map(tr_said, refused.reasons))
+        if ended:
+            await self._answer(REVOKE, lambda found: found, device=ended)
         else:
-            self.finish(shown(found))
+            await self._answer(PAIR, lambda found: {**found, "square": _square(found["url"]),
+                                                    "encryption": encryption_text(found["url"])},
+                               role=self.text("role"), zone=self.text("zone"))
+
+    async def _answer(self, name: str, shown: Any, **arguments: str) -> None:
+        try:
+            found: Any = self._server.calls[name](arguments, Caller(ORGANISER, self.request.remote_ip or ""))
+            if isinstance(found, InThread):
+                found = await asyncio.get_event_loop().run_in_executor(None, found.make)
+        except Refused as refused:
+            with self._server.store.speaking(self.language()):
+                self.refuse(409, *map(tr_said, refused.reasons))
+        else:
+            with self._server.store.speaking(self.language()):
+                self.finish(shown(found))
 
 
 def _square(url: str) -> Any:

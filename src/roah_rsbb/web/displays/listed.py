@@ -8,6 +8,7 @@ import collections
 import re
 from typing import Any, Callable, Dict, Hashable, Iterable, List, NamedTuple, Optional, Set, Tuple
 
+from roah_rsbb.web.kept_file import Keeper, Save
 from roah_rsbb.web.pairing import plain
 
 ROTATING, RUN, STANDINGS, SCHEDULE, RESULTS = SHOWS = ("rotating", "run", "standings", "schedule", "results")
@@ -88,9 +89,10 @@ def display_of(asked: Callable[[str], str], zones: Iterable[str], language: str,
 class Displays:
     """All displays."""
 
-    def __init__(self, save: Callable[[Dict[str, Any]], None], saved: Dict[str, Any]) -> None:
+    def __init__(self, save: Save, saved: Dict[str, Any]) -> None:
         """`save` keeps the settings and raises OSError; `saved`: what it kept before."""
-        self._save = save
+        self.kept = Keeper(save)
+        """Changes count at once. Wait for it before you answer."""
         self._settings: Dict[str, Setting] = {key: _setting_of(record) for key, record in saved.items()}
         self._open: Dict[Hashable, Display] = {}  # oldest first
         self._named_until = float("-inf")
@@ -144,24 +146,20 @@ class Displays:
         return (row.name if row is not None else "") or display_id[:4]
 
     def set(self, display_id: str, setting: Setting) -> None:
-        """Set what a display shows; `NOTHING_SET`: take it back. Raises `TooMany`, KeyError (there is no such display)
-        or OSError: then nothing changes."""
-        before = dict(self._settings)
-        if display_id not in before and display_id not in self.ids():
+        """Set what a display shows; `NOTHING_SET`: take it back. Raises `TooMany`, or KeyError: there is no such
+        display."""
+        is_set = display_id in self._settings
+        if not is_set and display_id not in self.ids():
             raise KeyError(display_id)
         if setting == NOTHING_SET:
             self._settings.pop(display_id, None)
-        elif display_id not in before and len(before) >= MAX_SET:
+        elif not is_set and len(self._settings) >= MAX_SET:
             raise TooMany()
         else:
             given = [one.name for one in self._open.values() if one.id == display_id]
             called = given[-1] if given else self.setting(display_id).called
             self._settings[display_id] = setting._replace(called=called)
-        try:
-            self._save({key: _record(one) for key, one in self._settings.items()})
-        except OSError:
-            self._settings = before
-            raise
+        self.kept.keep({key: _record(one) for key, one in self._settings.items()})
 
     def show_names(self, mono: float) -> float:
         """Let all displays show their names for a moment; returns until when."""

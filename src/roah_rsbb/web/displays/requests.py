@@ -21,7 +21,7 @@ class DisplaysHandler(OfOrganiser):
             "clock": server.utc(),
         })
 
-    def post(self) -> None:
+    async def post(self) -> None:
         """Change what is set for a display, or let all displays show their names.
 
         A request has only the fields that change: so two organisers do not undo what the other one sets. With
@@ -31,23 +31,26 @@ class DisplaysHandler(OfOrganiser):
             self._server.show_display_names()
             self.finish({})
             return
-        display_id = self.text("id")
+        displays, display_id = self._server.displays, self.text("id")
         with self._server.store.speaking(self.language()):
             try:
                 setting = NOTHING_SET if self.body.get("take_back") else setting_of(
-                    {**self._server.displays.setting(display_id)._asdict(), **self.body.get("setting", {})},
+                    {**displays.setting(display_id)._asdict(), **self.body.get("setting", {})},
                     self._server.store.known_languages())
                 self._server.set_display(display_id, setting)
             except (ValueError, TypeError) as bad:
                 self.refuse(400, str(bad))
-            except KeyError:
-                self.refuse(409, tr(device.NO_SUCH_DISPLAY))
-            except TooMany:
-                self.refuse(409, tr(device.TOO_MANY_DISPLAYS))
-            except OSError as error:
+                return
+            except (KeyError, TooMany) as refused:
+                self.refuse(409, tr(device.NO_SUCH_DISPLAY if isinstance(refused, KeyError)
+                                    else device.TOO_MANY_DISPLAYS))
+                return
+        try:
+            await displays.kept.wait()
+            self.finish({})
+        except OSError as error:
+            with self._server.store.speaking(self.language()):
                 self.refuse(500, tr(device.SETTING_NOT_SAVED, error=error))
-            else:
-                self.finish({})
 
 
 def _row(row: DisplayRow) -> Dict[str, Any]:

@@ -6,8 +6,9 @@ Codes are derived from one secret, which is kept. So they are the same after a r
 import hashlib
 import hmac
 import secrets
-from typing import Any, Callable, Dict
+from typing import Any, Dict
 
+from roah_rsbb.web.kept_file import Keeper, Save
 from roah_rsbb.web.pairing import CODE_LENGTH, SIGNS, signs_of
 
 FILE = "web_team_codes.json"
@@ -18,18 +19,17 @@ MAX_TEAM = 100  # characters of a name
 class TeamCodes:
     """The code of each team, and the tokens for browsers that had it."""
 
-    def __init__(self, save: Callable[[Dict[str, Any]], None], saved: Dict[str, Any]) -> None:
+    def __init__(self, save: Save, saved: Dict[str, Any]) -> None:
         """`save` keeps the secret and raises OSError; `saved`: what it kept before; raises ValueError and others if it
         is damaged."""
-        self._save = save
+        self._keeper = Keeper(save)
         self._secret = bytes.fromhex(saved["secret"]) if saved else secrets.token_bytes(_SECRET_BYTES)
         if len(self._secret) != _SECRET_BYTES:
             raise ValueError("the secret has the wrong length")
         self._is_saved = bool(saved)
 
     def code(self, team: str) -> str:
-        """Return a team's code. Raises OSError if it cannot be kept: it would be another one after a restart."""
-        self._keep()
+        """Return a team's code. Call `keep` before it is shown."""
         number = int.from_bytes(self._derived("code", team), "big")
         signs = ""
         for _ in range(CODE_LENGTH):
@@ -49,20 +49,14 @@ class TeamCodes:
         """Whether a browser had the team's code."""
         return hmac.compare_digest(token.encode("utf-8", "replace"), self.token(team).encode())
 
-    def renew(self) -> None:
-        """Give all teams new codes. Raises OSError: then nothing changes."""
-        before, self._secret = self._secret, secrets.token_bytes(_SECRET_BYTES)
-        self._is_saved = False
-        try:
-            self._keep()
-        except OSError:
-            self._secret, self._is_saved = before, True
-            raise
-
-    def _keep(self) -> None:
-        if not self._is_saved:
-            self._save({"secret": self._secret.hex()})
-            self._is_saved = True
+    async def keep(self, renews: bool = False) -> None:
+        """Keep the codes for the time after a restart; with `renews`, give all teams new ones. Raises OSError: then
+        nothing changes."""
+        secret = secrets.token_bytes(_SECRET_BYTES) if renews else self._secret
+        if renews or not self._is_saved:
+            self._keeper.keep({"secret": secret.hex()})
+            await self._keeper.wait()
+            self._secret, self._is_saved = secret, True
 
     def _derived(self, purpose: str, team: str) -> bytes:
         return hmac.new(self._secret, f"{purpose}:{team}".encode("utf-8", "replace"), hashlib.sha256).digest()

@@ -1,7 +1,7 @@
 """What the pages of teams ask: what the box knows of their robot, and whether they may see it (docs/web.md, "Pages of
 teams")."""
 
-from typing import Any, Callable, Dict
+from typing import Any
 
 from tornado import web
 
@@ -41,9 +41,6 @@ class TeamHandler(FromOwnPage):
             except TooManyGuesses as refused:
                 self.refuse(TOO_MANY_REQUESTS, str(refused))
                 return
-            except OSError as error:
-                self.refuse(500, tr(device.CODES_NOT_SAVED, error=error))
-                return
         self.set_cookie(self._cookie, server.team_codes.token(team), path="/", max_age=int(SESSION_VALID_S),
                         httponly=True, samesite="Strict", secure=self.is_encrypted)
         self.finish({})
@@ -62,29 +59,24 @@ class TeamHandler(FromOwnPage):
 class CodesHandler(OfOrganiser):
     """The codes of all teams."""
 
-    def get(self) -> None:
+    async def get(self) -> None:
         """Return them."""
-        self._answer(self._codes)
+        await self._answer(renews=False)
 
-    def post(self) -> None:
+    async def post(self) -> None:
         """Give all teams new codes, and return them."""
-        def renewed() -> Dict[str, Any]:
-            self._server.team_codes.renew()
-            return self._codes()
+        await self._answer(renews=True)
 
-        self._answer(renewed)
-
-    def _answer(self, codes: Callable[[], Dict[str, Any]]) -> None:
-        with self._server.store.speaking(self.language()):
-            try:
-                self.finish(codes())
-            except OSError as error:
-                self.refuse(500, tr(device.CODES_NOT_SAVED, error=error))
-
-    def _codes(self) -> Dict[str, Any]:
+    async def _answer(self, renews: bool) -> None:
         server = self._server
-        return {"team_pages": server.team_pages, "codes": [
-            {"team": team, "code": server.team_codes.code(team)} for team in server.store.teams()]}
+        try:
+            await server.team_codes.keep(renews)
+        except OSError as error:
+            with server.store.speaking(self.language()):
+                self.refuse(500, tr(device.CODES_NOT_SAVED, error=error))
+            return
+        self.finish({"team_pages": server.team_pages, "codes": [
+            {"team": team, "code": server.team_codes.code(team)} for team in server.store.teams()]})
 
 
 def _team(name: str) -> str:
