@@ -188,9 +188,14 @@ class Copying:
             answer.wait(END_S)
 
 
-def _only_one(log_dir: str, own_parent: int) -> IO[str]:
-    """Lock the log_dir for this program of this process, in the place of one whose supervisor is gone; returns the file
-    of the lock. Raises OSError."""
+def _parent() -> int:
+    """Return the process that started this one, which may be gone already."""
+    return int(os.environ.get(PARENT, os.getppid()))
+
+
+def _only_one(log_dir: str) -> IO[str]:
+    """Lock the log_dir for this program, in the place of one whose supervisor is gone; returns the file of the lock.
+    Raises OSError."""
     os.makedirs(log_dir, exist_ok=True)
     file = open(os.path.join(log_dir, LOCK), "a+", encoding="ascii")  # noqa: SIM115
     until_mono = time.monotonic() + 2 * END_S
@@ -209,7 +214,7 @@ def _only_one(log_dir: str, own_parent: int) -> IO[str]:
                 os.kill(pid, signal.SIGTERM)
             time.sleep(LOOK_S)
     file.truncate(0)
-    file.write(f"{os.getpid()} {own_parent}")
+    file.write(f"{os.getpid()} {_parent()}")
     file.flush()
     return file
 
@@ -218,7 +223,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> None:
     """Copy the journal of a box. `arguments`: `CopySettings.words`."""
     close_to_others()
     log_to_terminal()
-    ended, parent = threading.Event(), int(os.environ.get(PARENT, os.getppid()))
+    ended, parent = threading.Event(), _parent()
     for number in platform.ending_signals():  # a terminal sends them to all; this program ends after the box
         signal.signal(number, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: ended.set())
@@ -226,7 +231,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> None:
     try:
         settings = copy_settings(BoxSettings(values))
         wait_for_takeover(settings.log_dir, lambda: ended.is_set() or os.getppid() != parent)
-        lock = _only_one(settings.log_dir, parent)
+        lock = _only_one(settings.log_dir)
         copying = Copying(settings, NAME, lambda: read_place(door_file_in(settings.log_dir)))
     except (BadParams, OSError) as error:
         sys.exit(f"The journal is not copied: {error}")

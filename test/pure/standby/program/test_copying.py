@@ -9,6 +9,7 @@ import pytest
 
 from helpers.waiting import wait_until
 from roah_rsbb import platform
+from roah_rsbb.copies.settings import PARENT
 from roah_rsbb.journal import file as files
 from roah_rsbb.standby.program.copying import LOCK, _only_one
 
@@ -62,3 +63,11 @@ def test_without_supervisor_it_ends_when_no_box_writes_the_journal(supervisor, b
     assert platform.is_locked(str(tmp_path / LOCK))
     os.close(box.fd)
     wait_until(lambda: not platform.is_locked(str(tmp_path / LOCK)))
+
+
+def test_one_whose_supervisor_was_killed_before_it_had_started_ends(tmp_path):
+    gone = subprocess.Popen([sys.executable, "-c", ""])
+    gone.wait()
+    copying = subprocess.Popen([sys.executable, "-c", COPIES, str(tmp_path)],
+                               env={**os.environ, PARENT: str(gone.pid)})
+    assert copying.wait(60.0) == 0
