@@ -96,6 +96,13 @@ class TestTopics(BoxCase):
         self.assertEqual(types["/devices/state"], "roah_rsbb/DevicesState")
         self.assertIn(CORE, subscribed["/devices/state"])
 
+    def test_another_node_may_have_the_home_devices(self) -> None:
+        listener = self.participant(LISTENER)
+        publisher = rospy.Publisher("/devices/state", msg.DevicesState, queue_size=1, latch=True)
+        self.addCleanup(publisher.unregister)
+        publisher.publish(msg.DevicesState(dimmer=33))
+        listener.wait_beacon(lambda beacon: beacon.devices_dimmer == 33, "robots are sent its state")
+
     def test_states_are_latched(self) -> None:
         for topic, kind in (("gui", CoreToGui), ("public", CoreToPublic)):
             with self.subTest(topic):
