@@ -11,7 +11,7 @@ import rosgraph
 import rospy
 import rosservice
 import yaml
-from support.box_case import PACKAGE, BoxCase
+from support.box_case import LISTENER, PACKAGE, BoxCase
 from support.box_client import BoxClient, Refusal
 from support.programs import Program
 from support.robots import BROADCAST, RSBB_PORT
