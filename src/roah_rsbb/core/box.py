@@ -465,7 +465,7 @@ class Box:
             self._outbox.emit(effects.SendBeacon())
 
     def on_devices_status(self, now: Now, connected: bool, text: str) -> None:
-        """The devices node reports whether it reaches the devices' controller. `text` gives details or the reason."""
+        """The devices' controller is reached, or not. `text` gives details or the reason."""
         self.tick(now)
         self.watches.devices(connected, cut_note(text))
 

@@ -169,7 +169,7 @@ class Watches:
         return None
 
     def devices(self, connected: bool, text: str) -> None:
-        """Set whether the devices node reaches the devices' controller; `text` gives the reason if not."""
+        """Set whether the devices' controller is reached; `text` gives the reason if not."""
         self._devices_trouble = "" if connected else f"Home devices: {text}"
 
     def devices_warnings(self) -> List[str]:

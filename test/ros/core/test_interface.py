@@ -11,7 +11,7 @@ import rosgraph
 import rospy
 import rosservice
 import yaml
-from support.box_case import PACKAGE, BoxCase
+from support.box_case import LISTENER, PACKAGE, BoxCase
 from support.box_client import BoxClient, Refusal
 from support.programs import Program
 from support.robots import BROADCAST, RSBB_PORT
@@ -95,6 +95,13 @@ class TestTopics(BoxCase):
                 self.assertEqual(published[name], {CORE})
         self.assertEqual(types["/devices/state"], "roah_rsbb/DevicesState")
         self.assertIn(CORE, subscribed["/devices/state"])
+
+    def test_another_node_may_have_the_home_devices(self) -> None:
+        listener = self.participant(LISTENER)
+        publisher = rospy.Publisher("/devices/state", msg.DevicesState, queue_size=1, latch=True)
+        self.addCleanup(publisher.unregister)
+        publisher.publish(msg.DevicesState(dimmer=33))
+        listener.wait_beacon(lambda beacon: beacon.devices_dimmer == 33, "robots are sent its state")
 
     def test_states_are_latched(self) -> None:
         for topic, kind in (("gui", CoreToGui), ("public", CoreToPublic)):

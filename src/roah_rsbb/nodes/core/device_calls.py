@@ -1,4 +1,4 @@
-"""The home devices as the core node uses them: their state as a plain value, and robots' commands as service calls.
+"""Home devices of another node: their state as a plain value, and robots' commands as service calls.
 
 A service call may take long, or hang with its node. So each device has its own thread, off the core's loop. During a
 call only the latest command waits; commands that it replaces are never carried out.
