@@ -2279,6 +2279,14 @@
         <source>{day} {month}</source>
         <translation>{day}. {month}</translation>
     </message>
+    <message numerus="yes">
+        <location filename="../../src/roah_rsbb/wording/todo.py"/>
+        <source>⚠ {n} more</source>
+        <translation>
+            <numerusform>⚠ {n} weitere</numerusform>
+            <numerusform>⚠ {n} weitere</numerusform>
+        </translation>
+    </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/todo.py"/>
         <source>Enter and confirm the switches that the robot changed (OMF Switches)</source>
@@ -2922,14 +2930,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
         <source>Show {zone} in all panels of this client</source>
         <translation>{zone} in allen Fenstern dieses Clients zeigen</translation>
-    </message>
-    <message numerus="yes">
-        <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
-        <source>   (⚠ {n} more)</source>
-        <translation>
-            <numerusform>   (⚠ {n} weitere)</numerusform>
-            <numerusform>   (⚠ {n} weitere)</numerusform>
-        </translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>

@@ -27,6 +27,12 @@ class Todo(NamedTuple):
     text: str
     warnings: int = 0  # number of warnings, also if something else is more urgent
 
+    @property
+    def more(self) -> str:
+        """How many warnings there are beside the text; empty: none."""
+        number = self.warnings - (self.urgency is Urgency.LOOK)
+        return tr("⚠ {n} more", n=number) if number > 0 else ""
+
 
 def todo(zone: ZoneSeen) -> Todo:
     """Return what to do now in a zone."""

@@ -97,10 +97,7 @@ class ZoneTile(QFrame):
         self._texts = (f"{CHOSEN if chosen else ''}{zone.zone}", event.team,
                        f"{event.team}  ·  {event.code}  ·  {sheets.turn(event.round, event.run)}")
         mark, tone = LINES[todo.urgency]
-        more = todo.warnings - (todo.urgency is Urgency.LOOK)
-        text = f"{tr(mark)}{todo.text}"
-        if more > 0:
-            text += tr("   (⚠ {n} more)", n=more)
+        text = f"{tr(mark)}{todo.text}" + (f"   ({todo.more})" if todo.more else "")
         self.todo.show_text(text)
         self.todo.setToolTip(basic.tip(text))  # the whole text, if it does not fit
         tone = basic.OFF if old else tone

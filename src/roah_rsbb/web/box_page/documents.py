@@ -74,12 +74,11 @@ def _overview(shown: PartShown) -> Data:
 
 def _tile(zone: ZoneSeen, mono: float) -> Data:
     task, event = todo.todo(zone), zone.event
-    more = task.warnings - (task.urgency is todo.Urgency.LOOK)
     return {
         "zone": zone.zone, "team": event.team, "event": f"{event.code} · {sheets.turn(event.round, event.run)}",
         "phase": zone.phase, "phase_text": sheets.marked_phase(zone.phase, zone.end_reason),
         "clock": clock_page(zone, mono), "todo": task.text,
-        "is_urgent": is_urgent(task), "more": tr("⚠ {n} more", n=more) if more > 0 else "",
+        "is_urgent": is_urgent(task), "more": task.more,
     }
 
 
