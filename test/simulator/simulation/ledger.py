@@ -74,6 +74,7 @@ class Believed:
         self.phase, self.reason, self.is_paused = Phase.CONNECTED, None, False
         self.changed = self.stopped = float("-inf")  # when: the last change, the last end by a referee
         self.went = float("-inf")  # when a referee let the robot go, for the last time
+        self.started_utc = 0.0  # as the box has it
         self.watch, self.setup = Watch(), Watch()
         self.phases, self.place = [], 0  # the watches of its phases, and the number of the present one
         self.entries, self.sign_off, self.reasons = [], None, {}
@@ -156,12 +157,16 @@ class Ledger:
         self._acting, act.has_run, act.event = act, act.zone in self.current, event
         try:
             yield
-        except Ended:  # the core was killed meanwhile, and may have recorded it
-            self._interrupted.append(act)
-            self.lost(act.at)
+        except Ended:
+            self.interrupted(act)
             raise
         finally:
             self._acting = None
+
+    def interrupted(self, act):
+        """The core was killed while it carried something out, and may have recorded it."""
+        self._interrupted.append(act)
+        self.lost(act.at)
 
     @property
     def is_acting(self):
@@ -348,6 +353,7 @@ class Ledger:
         why = ""
         if run.phase is Phase.RUNNING and believed.phase is not Phase.RUNNING:
             believed.went = now if name else believed.went
+            believed.started_utc = run.record(core.now()).started_utc
             if name != "start":
                 why = "runs, and nobody started it"
             elif believed.phase is Phase.ENDED and run.event.benchmark.rules.restarts is Restarts.NOT_ALLOWED:
@@ -380,6 +386,8 @@ class Ledger:
         believed.turn(now)
         if run.phase is Phase.RUNNING and run.event.benchmark.rules.phases:
             believed.go_to_phase(now, 1)
+        if run.phase is Phase.CONNECTED:  # its start was lost
+            believed.went = float("-inf")
         if run.phase is Phase.ENDED:
             believed.stopped = now if name else believed.stopped
             if before is Phase.RUNNING and run.end_reason is not EndReason.COMPLETED and self.resumed != now:
@@ -558,7 +566,7 @@ class Ledger:
         run, watch = core.box.zones[believed.zone].run, believed.watch
         is_known = believed.phase is Phase.ENDED and believed.stopped == believed.changed and all(
             keeps(believed.stopped) for keeps in self._keeps_stop)
-        if not is_known or believed.went > self._sure[0]:
+        if not is_known or run.record(core.now()).started_utc != believed.started_utc:
             believed.final = None
         believed.is_paused = run.times.state.paused
         if run.phase is not Phase.ENDED:

@@ -19,6 +19,8 @@ STOP_S = 3.0
 STANDBY_PORT = 8083
 # Two boxes that send to one robot.
 BOTH_S = 1.0
+# Of so many looks, one is close.
+CLOSELY = 4
 # A box that did not run for so long asks the one that took over, for so long, before it sends anything.
 AWAY_S, ASKS_S = 1.6, 1.9
 # What the loss of the newest records may cost.
@@ -45,6 +47,7 @@ class Oracles:
         self._killed_at = None  # the core, and the next one has not resumed yet
         self._is_other_clock = False  # the clock of another computer, or start of it, counts from now on
 
+        self._looks = 0
         self._superseded = set()  # boxes that know it
         self._sent = {}  # when a box sent last to robots, by its host
         self._both_since = None
@@ -168,6 +171,7 @@ class Oracles:
         # A run that a power failure may take has its port no more.
         self._ports = {port: run for port, run in self._ports.items() if run in self._world.ledger.runs}
         self._world.ledger.check_all(core)
+        self._looks = -1  # this one is close
         self._check_runs(box, core)
         self._world.witness.resumed()
 
@@ -197,7 +201,8 @@ class Oracles:
     def _check_runs(self, box, core):
         if box is not self._world.box:
             return  # another one took over
-        self._world.ledger.look_closely(core)
+        self._looks += 1
+        (self._world.ledger.look if self._looks % CLOSELY else self._world.ledger.look_closely)(core)
         for zone in core.box.zones.values():
             run = zone.run
             for member in () if run is None else run.members():

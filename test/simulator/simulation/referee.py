@@ -189,6 +189,8 @@ class Referee:
                 reasons = () if isinstance(found, Waiting) else _texts(found)
                 if box.core is core and box is self.world.box:
                     self.world.ledger.done(core, done, reasons)
+                elif box is self.world.box and not reasons:
+                    self.world.ledger.interrupted(done)
             self._called(name)
             if isinstance(found, Waiting):
                 wait(found)

@@ -191,7 +191,7 @@ class Troubles:
         if core is None or believed is None or believed.phase is not Phase.CONNECTED or believed.event.team != "ALL":
             self._later(self._left_out, number, seconds)
             return
-        world.referee.rests_until = world.scheduler.now + 5.0
+        world.referee.rests_until = world.scheduler.now + 7.0 + seconds
         robot.hang(5.0 + seconds)
         for at, command in ((3.6, "start"), (4.5, "stop")):
             world.scheduler.after(at, functools.partial(self._press, core, believed.zone, command))
@@ -218,6 +218,7 @@ class Troubles:
                 box.kill(0.5)
             box.storage.end_troubles()
         begin = 2.0 if is_again else 0.0
+        world.referee.rests_until = world.scheduler.now + begin + 0.3 + seconds
         for at, act in ((0.0, lambda: is_again and press("stop")), (1.0, lambda: is_again and press("start")),
                         (begin, lambda: self._frozen_disk(seconds + 0.4)), (begin + 0.2, lambda: press("stop")),
                         (begin + 0.3 + seconds, lose)):
