@@ -112,7 +112,7 @@ class CoreAssembly:
         self._stops, self._channels = StopNotes(memory, inform_standby), ChannelNotes(memory)
         self.run_logs = make_run_logs(machine.uuid, self._on_log_trouble, self._on_log_repaired)
         self.driver = CoreDriver(loop, box, self.radio, self.run_logs, ports, self.journal, outputs, self.now,
-                                 self.fence.check, self._stops.sent)
+                                 self.fence.check, self._stops.sent, self._stops.starts)
         self.standby = StandbyAnswers(loop, box, self.now, self.event, ask_standby, lambda: self.store.committed)
         self.radio.on_channels = self._note_channels
         for warning in port_warnings:

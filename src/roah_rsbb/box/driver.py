@@ -83,10 +83,11 @@ class CoreDriver:
         now: Callable[[], Now],
         check: Callable[[], None] = lambda: None,
         on_stop: Callable[[Now, RunRecord, int], object] = lambda now, record, ticket: None,
+        on_start: Callable[[str], object] = lambda identity: None,
     ) -> None:
         """`now` returns the present moment; its monotonic clock is the loop's. `check` is called before anything
         happens, is recorded or leaves: see `Fence.check`. `on_stop`: STOP has left, and its record has not: see
-        `StopNotes.sent`."""
+        `StopNotes.sent`. `on_start`: a robot of this run is sent something else: see `StopNotes.starts`."""
         self._loop = loop
         self.box = box
         self._radio = radio
@@ -95,7 +96,7 @@ class CoreDriver:
         self._journal = journal
         self._outputs = outputs
         self._now = now
-        self._check, self._on_stop = check, on_stop
+        self._check, self._on_stop, self._on_start = check, on_stop, on_start
         self._timer: Optional[asyncio.TimerHandle] = None
         self._carrying_out = self._resuming = False
         self._waiting: Deque[_Waiting] = deque()
@@ -111,7 +112,7 @@ class CoreDriver:
             effects.OpenChannel: self._open_channel,
             effects.AimChannel: lambda e: self._radio.aim(e.port, e.host),
             effects.CloseChannel: lambda e: self._radio.close_channel(e.port),
-            effects.SendState: lambda e: self._radio.send_state(e.port, e.message, e.how),
+            effects.SendState: self._send_state,
             effects.SendBeacon: self._want_beacon,
             effects.TimeoutRung: lambda e: outputs.ring_timeout(),
             effects.SetDevice: lambda e: box.is_superseded or outputs.set_device(e),
@@ -287,6 +288,11 @@ class CoreDriver:
                 return
             self._timer.cancel()
         self._timer = None if deadline is None else self._loop.call_at(deadline, self._on_timer)
+
+    def _send_state(self, effect: effects.SendState) -> None:
+        if effect.message.state is not BoxState.STOP and not self._resuming:
+            self._on_start(self._journal.identity_at(effect.port))
+        self._radio.send_state(effect.port, effect.message, effect.how)
 
     def _on_timer(self) -> None:
         self._timer = None

@@ -110,9 +110,13 @@ class CoreJournal:
         """The ticket of the next record."""
         return self._journal.next_ticket
 
+    def identity_at(self, port: int) -> str:
+        """The identity of the run of a robot; empty: it has none."""
+        return self._place(port).identity
+
     def end_of(self, port: int, todo: Sequence[Effect]) -> Optional[RunRecord]:
         """Return the record of the run of a robot if the run ends with these effects of an event."""
-        identity = self._place(port).identity
+        identity = self.identity_at(port)
         found = [effect.record for effect in todo
                  if isinstance(effect, effects.RecordChanged) and effect.record.identity == identity]
         return found[-1] if found and found[-1].end_reason and found[-1].stops else None

@@ -11,11 +11,14 @@ from typing import Callable, Collection, Dict, List, Mapping, NamedTuple, Option
 
 from roah_rsbb.core.runs.run import UnrecordedStop
 from roah_rsbb.model.clock import Now
+from roah_rsbb.model.fields import MAX_TEXT
 from roah_rsbb.model.records import By, EndReason, RunRecord
 from roah_rsbb.signs_of_life import CHANNEL, STANDBY
 
 # Before the identity of the run, in the names of the notes.
 PREFIX = "stop/"
+# Characters of who stopped a run, in a note.
+MOST_WHO = 200
 # What is noted of a standby that is connected.
 THERE = "connected"
 
@@ -79,6 +82,7 @@ class StopNotes:
         self._memory, self._inform_standby = memory, inform_standby
         self._notes: Dict[str, _Note] = {}  # by the identity of the run
         self._passed: Set[str] = set()  # the runs of those that the standby has, which keeps them
+        self._again: Set[str] = set()  # of those, the runs that were started again
         self._earlier = [name for name in memory.kept if name.startswith(PREFIX)]
         for name in self._earlier:  # this core may end, too, before it has recorded them
             memory.keep(name, memory.kept[name])
@@ -90,28 +94,43 @@ class StopNotes:
     def resumed(self, ticket: int) -> None:
         """The STOPs of the core before are in the journal with this ticket."""
         self._notes.update((identity, _Note(ticket, text)) for identity, text in self.before().items())
+        self._passed.update(self._notes)
 
     def sent(self, now: Now, record: RunRecord, ticket: int) -> None:
         """STOP was sent `now` to a robot of a run, and is recorded next, with this ticket. `record`: what is."""
         stop = record.stops[-1]
-        text = json.dumps([now.mono, stop.utc, stop.end_reason, stop.who[:200], stop.reason[:300]])
+        text = json.dumps([now.mono, stop.utc, stop.end_reason, stop.who[:MOST_WHO], stop.reason[:MAX_TEXT]],
+                          ensure_ascii=False)
         self._notes[record.identity] = _Note(ticket, text)
+        self._passed.add(record.identity)
+        self._again.discard(record.identity)
         self._memory.keep(PREFIX + record.identity, text)
         self._inform_standby({record.identity: text})
 
+    def starts(self, identity: str) -> None:
+        """A robot of this run is sent something else now, because a referee started the run again: withdraw its note,
+        as a full disk may have a record of neither."""
+        if identity in self._passed or identity in self._notes:
+            self._passed.discard(identity)
+            self._again.add(identity)
+            self._forget(identity)
+            self._inform_standby({identity: ""})
+
     def look(self, saved: int, running: Callable[[], Collection[str]]) -> None:
-        """Forget those whose record is on the disk: tickets up to `saved`; and those of runs that were started again,
-        which a full disk may have no record of: `running` returns their identities. The standby hears the others again,
-        and of each run that was started again, because its copy may lack that for longer.
-        """
-        self._passed.update(self._notes)
-        again = self._passed.intersection(running()) if self._passed else ()
-        for identity in [each for each, note in self._notes.items() if note.ticket <= saved or each in again]:
-            del self._notes[identity]
-            self._memory.drop(PREFIX + identity)
-        if self._notes or again:
-            self._inform_standby({**dict.fromkeys(again, ""),
+        """Forget those whose record is on the disk: tickets up to `saved`. The standby hears the others again, and of
+        each run that was started again, because its copy may lack that for longer: `running` returns the runs in
+        progress."""
+        for identity in [each for each, note in self._notes.items() if note.ticket <= saved]:
+            self._forget(identity)
+        if self._again:
+            self._again.intersection_update(running())
+        if self._notes or self._again:
+            self._inform_standby({**dict.fromkeys(self._again, ""),
                                   **{identity: note.text for identity, note in self._notes.items()}})
+
+    def _forget(self, identity: str) -> None:
+        self._notes.pop(identity, None)
+        self._memory.drop(PREFIX + identity)
 
 
 def unrecorded(stops: Mapping[str, str], records: List[RunRecord], shift: float) -> Dict[str, UnrecordedStop]:

@@ -12,7 +12,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import decode, encode, say
 from roah_rsbb.standby.clocks import ClockDifference
 from roah_rsbb.standby.messages import BadMessage, Message, files_of, held_of, part_of
-from roah_rsbb.standby.stops import add_stops, are_stops
+from roah_rsbb.standby.stops import add_stops, stops_in
 
 OPEN, WRITE, WRITE_FILES, SET_ASIDE, COMPLETE, BEAT = (
     "open", "write", "write_files", "set_aside", "complete", "beat")
@@ -134,10 +134,10 @@ class Receiver:
             self._copy = None
 
     def _take_stops(self, stops: object) -> None:
-        if not isinstance(stops, dict) or not are_stops(stops):
-            raise BadMessage("STOPs")
         try:
-            add_stops(self._folder, stops)
+            add_stops(self._folder, stops_in(stops))
+        except ValueError:
+            raise BadMessage("STOPs") from None
         except OSError as error:
             raise CannotWriteCopy(_NO_STOPS(error=error.strerror or error)) from None
 

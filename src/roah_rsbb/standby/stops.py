@@ -11,14 +11,17 @@ from typing import Dict, Mapping
 from roah_rsbb import durable
 
 FILE = "stops.json"
-# The newest ones, and the characters of each.
-MOST, LONGEST = 100, 1000
+# The newest ones, and the characters of each: JSON has up to 6 for each character of who stopped, and why.
+MOST, LONGEST = 100, 5000
 
 
-def are_stops(found: object) -> bool:
-    """Whether these are texts of STOPs by the identity of the run, as `read_stops` returns them."""
-    return isinstance(found, dict) and len(found) <= MOST and all(
-        isinstance(text, str) and len(text) <= LONGEST for text in (*found, *found.values()))
+def stops_in(found: object) -> Dict[str, str]:
+    """Return the texts of STOPs by the identity of the run. One that is none does not keep out the others. Raises
+    ValueError: these are no STOPs."""
+    if not isinstance(found, dict):
+        raise ValueError("no STOPs")
+    return newest({identity: text for identity, text in found.items() if all(
+        isinstance(each, str) and len(each) <= LONGEST for each in (identity, text))})
 
 
 def newest(*stops: Mapping[str, str]) -> Dict[str, str]:
@@ -35,10 +38,9 @@ def read_stops(folder: str) -> Dict[str, str]:
     """Return the texts of STOPs (`box/stops.py`) by the identity of the run; empty: none, or not readable."""
     try:
         with open(os.path.join(folder, FILE), encoding="ascii") as file:
-            found = json.load(file)
+            return stops_in(json.load(file))
     except (OSError, ValueError, RecursionError):
         return {}
-    return found if are_stops(found) else {}
 
 
 def add_stops(folder: str, stops: Mapping[str, str]) -> None:

@@ -28,7 +28,9 @@ class PairingCalls:
     """Pairs devices, and gives teams their codes. Everything is done in the loop's thread; only disks are waited for in
     others."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, server: Callable[[], WebServer], url: Callable[[], str]) -> None:
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, server: Callable[[], WebServer], url: Callable[[], str],
+    ) -> None:
         """`server` is asked with each call; `url`: of the pages, for devices; empty: they are not served yet."""
         self._loop, self._find_server, self._url = loop, server, url
 

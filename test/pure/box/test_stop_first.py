@@ -13,16 +13,20 @@ import pytest
 from helpers.commands import given_with
 from helpers.competition import competition, event
 from roah_rsbb.box.calls import BoxCalls, Disks
-from roah_rsbb.box.stops import PREFIX
+from roah_rsbb.box.stops import MOST_WHO, PREFIX, NoMemory, StopNotes, unrecorded
 from roah_rsbb.core.actions.table import Target
+from roah_rsbb.core.runs.run import UnrecordedStop
 from roah_rsbb.core.views.document import END_UNSAVED, Documents
 from roah_rsbb.document.calls import Caller
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.fields import MAX_TEXT
 from roah_rsbb.model.reason import decode
-from roah_rsbb.model.records import EndReason, Phase
+from roah_rsbb.model.records import By, EndReason, Phase, RunRecord, StopRecord
 from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.signs_of_life import CHANNEL, STANDBY
+from roah_rsbb.standby.stops import LONGEST, add_stops, read_stops, stops_in
 from simulation.air import Air
 from simulation.box import Box
 from simulation.disk import Storage
@@ -330,17 +334,60 @@ def test_the_answer_to_stop_says_if_the_disk_is_full(stage):
     assert answer_to_stop(stage) is None
 
 
+@pytest.mark.parametrize("takes_over, after_s", [(False, 0.0), (False, 0.5), (True, 0.5)])
+def test_a_stop_after_a_start_that_waits_for_a_disk_that_hangs_is_known_to_the_next_box(stage, takes_over, after_s):
+    """The robot was not sent to prepare, so this STOP sends it nothing new."""
+    stage = stage(has_standby=takes_over)
+    stage.execute()
+    stage.freeze()
+    stage.do("stop")
+    stage.pass_time(0.5)
+    stage.do("start")
+    stage.pass_time(1.5)
+    stage.do("stop", "Ben")
+    stage.pass_time(after_s)
+    assert set(stage.states[-1:]) == {RobotState.STOP}
+    stage.box.kill(float("inf") if takes_over else 0.5, power=takes_over)
+    stage.storage.frozen_until = 0.0
+    stage.states.clear()
+    if takes_over:
+        stage.pass_time(4.0)
+        stage.standby.take_over()
+    stage.pass_time(10.0)
+    assert stage.states == [RobotState.STOP]
+    record = stage.run.record(stage.box.core.now())
+    assert record.end_reason == "stopped" and record.stops[-1].who == "Ben"
+
+
+def test_a_start_that_waits_for_a_disk_that_hangs_does_not_undo_the_stop_before_it(stage):
+    stage = stage()
+    stage.execute()
+    stage.freeze()
+    stage.do("stop")
+    stage.pass_time(0.5)
+    stage.do("start")
+    stage.pass_time(1.5)
+    stage.box.kill(0.5)
+    stage.storage.frozen_until = 0.0
+    stage.states.clear()
+    stage.pass_time(10.0)
+    assert stage.states == [RobotState.STOP]
+    assert [end.who for end in stage.run.record(stage.box.core.now()).stops] == ["Anna"]
+
+
+@pytest.mark.parametrize("state, after_s", [(RobotState.EXECUTING, 1.5), (RobotState.PREPARING, 0.0)])
 @pytest.mark.parametrize("takes_over", [False, True])
-def test_a_run_that_was_started_again_is_not_ended_by_its_earlier_stop(stage, takes_over):
+def test_a_run_that_was_started_again_is_not_ended_by_its_earlier_stop(stage, takes_over, state, after_s):
     """A full disk has a record of neither."""
     stage = stage(has_standby=takes_over)
     stage.execute()
     stage.storage.full_until = STILL_S
     stage.do("stop")
     stage.until(RobotState.STOP)
+    stage.pass_time(0.5)
     stage.do("start")
-    stage.until(RobotState.EXECUTING)
-    stage.pass_time(1.5)
+    stage.until(state)
+    stage.pass_time(after_s)
     stage.box.kill(float("inf") if takes_over else 0.5, power=takes_over)
     stage.storage.full_until = 0.0
     stage.states.clear()
@@ -348,7 +395,19 @@ def test_a_run_that_was_started_again_is_not_ended_by_its_earlier_stop(stage, ta
         stage.pass_time(4.0)
         stage.standby.take_over()
     stage.pass_time(10.0)
-    assert stage.states == [RobotState.EXECUTING] and stage.run.phase is Phase.RUNNING
+    assert RobotState.STOP not in stage.states and stage.robot.state is RobotState.EXECUTING
+
+
+@pytest.mark.parametrize("sign", ["a", "ü", "\U0001f600", '"', "\x01"])
+def test_a_stop_with_the_longest_reason_is_kept_and_one_that_is_too_long_keeps_out_no_other(tmp_path, sign):
+    passed, who, why = {}, sign * MOST_WHO, sign * MAX_TEXT
+    record = RunRecord("run", "home", "HGTKMH", "Alpha", 1, 1, 0.0, 0.0,
+                       stops=(StopRecord(5.0, who, "stopped", "", why),))
+    StopNotes(NoMemory(), passed.update).sent(Now(1.0, 5.0), record, 1)
+    assert stops_in({"other": "x" * (LONGEST + 1), **passed, "third": 5}) == passed
+    add_stops(str(tmp_path), passed)
+    assert unrecorded(read_stops(str(tmp_path)), [], 0.0) == {
+        "run": UnrecordedStop(Now(1.0, 5.0), EndReason.STOPPED, By(who, why))}
 
 
 def test_a_start_is_not_ended_by_a_stop_of_a_start_that_was_lost(stage):

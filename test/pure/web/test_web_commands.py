@@ -132,7 +132,8 @@ class Served(HttpClients):
         return self.outcome
 
     def token(self, role="referee", zone="Home"):
-        return self.sessions.add(self.server.utc(), Grant(role, zone), f"Anna {len(self.sessions.listed(0.0))}", "iPhone")
+        person = f"Anna {len(self.sessions.listed(0.0))}"
+        return self.sessions.add(self.server.utc(), Grant(role, zone), person, "iPhone")
 
     def send(self, name, body, token="", **headers):
         headers = {"Origin": self.origin, "Content-Type": "application/json", "Cookie": f"{COOKIE}={token}", **headers}

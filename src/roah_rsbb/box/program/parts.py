@@ -4,7 +4,7 @@ import asyncio
 import concurrent.futures
 import logging
 import threading
-from typing import Callable, List, Mapping, Optional, Sequence, Union
+from typing import Any, Callable, List, Mapping, Optional, Sequence, Union
 
 from roah_rsbb.bmbox.host.host import chosen_benchmarks
 from roah_rsbb.box.in_process_client import InProcessClient

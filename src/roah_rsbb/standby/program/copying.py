@@ -43,7 +43,7 @@ from roah_rsbb.standby.messages import MODULES, NETWORK, PASSWORDS
 from roah_rsbb.standby.modules_folder import PackedModules, TooLarge
 from roah_rsbb.standby.partners import read_standby
 from roah_rsbb.standby.program.handover import Handover
-from roah_rsbb.standby.stops import are_stops, newest
+from roah_rsbb.standby.stops import newest, stops_in
 
 NAME = "roah_rsbb_backup"  # of this program
 PERIOD_S = 1.0
@@ -162,9 +162,10 @@ class Copying:
 
     def _on_stopped(self, found: Mapping[str, Any], _caller: Caller) -> None:
         """The box has sent STOP, which its journal does not have yet."""
-        if not are_stops(found.get("stops")):
-            raise Refused(["only the box says which runs it has stopped"])
-        self._stops = newest(self._stops, found["stops"])
+        try:
+            self._stops = newest(self._stops, stops_in(found.get("stops")))
+        except ValueError:
+            raise Refused(["only the box says which runs it has stopped"]) from None
         self._copies[-1].follower.wake()
 
     def _on_copied(self, question: object) -> None:

@@ -1,8 +1,6 @@
 """What the pages of teams ask: what the box knows of their robot, and whether they may see it (docs/web.md, "Pages of
 teams")."""
 
-from typing import Any
-
 from tornado import web
 
 from roah_rsbb.web.guarded import TOO_MANY_REQUESTS
