@@ -7,7 +7,8 @@ import {Twice} from "/assets/buttons.js";
 import {HeadReferee, Publication, Reasoned} from "/assets/judging.js";
 import {Sheet} from "/assets/sheet.js";
 
-// `run`: as in the zone's list of those that wait for a sign-off, or with more from the list of all runs.
+// `run`: as in the zone's list of those that wait for a sign-off, or with more from the list of all runs. Whoever pressed
+// its sign-off once, and sees another score then, presses twice again.
 export function FinishedRun({zone, run, marks, texts, undo, give}) {
   const judged = zone.judging.find((one) => one.identity === run.identity);
   const isOpen = run.is_closed === false, isJudged = run.is_judged || Boolean(judged && judged.count > 0);
@@ -19,7 +20,7 @@ export function FinishedRun({zone, run, marks, texts, undo, give}) {
         isFixed=${run.is_signed} hasItems=${!run.is_signed && !isJudged} />
       ${isJudged && run.sheet && judged && html`<${HeadReferee} zone=${zone.zone} run=${judged} texts=${texts} give=${give} />`}
       ${!run.is_signed && html`
-        <${Twice} name="sign_off" label=${texts.sign_off} question=${texts.really}
+        <${Twice} key=${run.revision} name="sign_off" label=${texts.sign_off} question=${texts.really}
           reasons=${isOpen ? [texts.still_connected] : marks.waiting.some((mark) => mark.identity === run.identity) ? [texts.marks_wait] : []}
           act=${() => give("sign_off", texts, texts.sign_off, {identity: run.identity})} />`}
       ${judged && !isJudged && html`<${Publication} zone=${zone.zone} run=${judged} texts=${texts} give=${give} />`}

@@ -141,8 +141,12 @@ class TestBoxPage(NeedsBrowser):
         page.wait(f"document.querySelector('{run}.withdrawn').textContent.includes('another robot')", "it is withdrawn")
         self.press(page, run + "[data-command=stop_reason]")
         page.fill(run + "[data-form=stop_reason] input", "it fell over")
+        sign_off = run + "[data-command=sign_off]"
+        self.press(page, sign_off)
         self.press(page, run + "[data-form=stop_reason] > button")
         page.wait(f"document.querySelector('{run}.ends').textContent.includes('it fell over')", "the reason")
+        self.assertFalse(page.get(f"document.querySelector('{sign_off}').textContent.includes('Press again')"),
+                         "what was pressed once was another result")
         self.press_twice(page, run + "[data-command=sign_off]")
         page.wait(f"document.querySelector('{run}').textContent.includes('signed off by Olga')", "it stays in the list")
         sheet = self.box.call("sheet", zone=HOME, run=identity)
