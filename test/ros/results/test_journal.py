@@ -15,6 +15,7 @@ from support.waiting import LIMIT_S, wait_until
 
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.shipped import shipped_folder
 
 ZONE = "Home"
 DOOR = ("Achievements", "Detects the door whose state has changed")
@@ -94,7 +95,10 @@ class TestResults(ResultsCase):
         commands = [entry["value"]["command"] for entry in run["entries"] if entry["kind"] == "command"]
         self.assertEqual([c for c in commands if c in ("connect", "start", "stop", "disconnect", "sign_off")],
                          ["connect", "start", "stop", "disconnect", "sign_off"])
-        self.assertIn("1     Alpha  1             2", self.results("standings", "HGTKMH", "--signed-off"))
+        ranked = self.results("standings", "HGTKMH", "--signed-off")
+        self.assertIn("1     Alpha  3                 1", ranked, "as this box ranks, which has no standings_file")
+        shipped = os.path.join(str(shipped_folder()), "standings.yaml")
+        self.assertIn("1     Alpha  1             2", self.results("standings", "HGTKMH", "--rules", shipped))
         self.pages(identity)
         self.bag(identity, part["log_file"])
 
