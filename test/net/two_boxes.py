@@ -217,11 +217,6 @@ class Computer:
         """Stop all its processes, except the one that copies the journal."""
         self.signal(signal.SIGSTOP, "copies")
 
-    @property
-    def restarts(self) -> str:
-        """What its supervisor prints when it starts a core."""
-        return "Listening on UDP" if self.kind == WITHOUT_ROS else "process[roah_rsbb_core-"
-
     def core(self) -> int:
         """The process of its core."""
         return holder_of(str(self.log_dir))
