@@ -33,6 +33,7 @@ SAY_S = 10.0
 WHY = ("the box failed several times in succession, or its disk hangs. It only sends STOP now, to all robots in runs, "
        "and refuses all else. Stop a robot by hand if it moves. Repair what the box's terminal says, end the box "
        "there, and start it again: the runs are in its journal")
+NOT_HEARD = "not heard, because the box that was killed still has its port: see whether it stopped"
 
 _log = logging.getLogger(__name__)
 
@@ -58,12 +59,8 @@ class StoppedRobot:
         self._sender.changed(loop.time())
 
     def __str__(self) -> str:
-        return f"{self.name} ({self._said()})"
-
-    def _said(self) -> str:
-        if self._is_deaf:
-            return "not heard, because the box that was killed still has its port: see whether it stopped"
-        return "stopped" if self.is_stopped else "does not say that it stopped"
+        said = "stopped" if self.is_stopped else "does not say that it stopped"
+        return f"{self.name} ({NOT_HEARD if self._is_deaf else said})"
 
     def look(self) -> None:
         """Send what is due."""
