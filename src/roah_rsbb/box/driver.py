@@ -291,7 +291,7 @@ class CoreDriver:
 
     def _send_state(self, effect: effects.SendState) -> None:
         if effect.message.state is not BoxState.STOP and not self._resuming:
-            self._on_start(self._journal.identity_at(effect.port))
+            self._on_start(self._journal.place(effect.port).identity)
         self._radio.send_state(effect.port, effect.message, effect.how)
 
     def _on_timer(self) -> None:

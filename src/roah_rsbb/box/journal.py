@@ -110,13 +110,9 @@ class CoreJournal:
         """The ticket of the next record."""
         return self._journal.next_ticket
 
-    def identity_at(self, port: int) -> str:
-        """The identity of the run of a robot; empty: it has none."""
-        return self._place(port).identity
-
     def end_of(self, port: int, todo: Sequence[Effect]) -> Optional[RunRecord]:
         """Return the record of the run of a robot if the run ends with these effects of an event."""
-        identity = self.identity_at(port)
+        identity = self.place(port).identity
         found = [effect.record for effect in todo
                  if isinstance(effect, effects.RecordChanged) and effect.record.identity == identity]
         return found[-1] if found and found[-1].end_reason and found[-1].stops else None
@@ -183,7 +179,8 @@ class CoreJournal:
         if change is not None:
             self._add(now, _Place(name, written.identity), None, "", kinds.STATE, change)
 
-    def _place(self, port: int) -> _Place:
+    def place(self, port: int) -> _Place:
+        """Return where the run of a robot is; its names are empty: there is none."""
         return self._places.get(port, _Place("", ""))
 
     def _add(self, now: Now, place: _Place, port: Any, who: str, kind: str, value: object) -> None:
@@ -218,13 +215,13 @@ class CoreJournal:
         if effect.topic in run_log.FROM_ROBOT:
             run = self._box.zones.run_at(effect.port)
             who = "" if run is None else run.link.host or ""
-        self._add(now, self._place(effect.port), effect.port, who, effect.topic, effect.value)
+        self._add(now, self.place(effect.port), effect.port, who, effect.topic, effect.value)
 
     def _closed(self, _now: Now, effect: effects.RunClosed) -> None:
         self._places.pop(effect.port, None)
 
     def _aimed(self, now: Now, effect: effects.AimChannel) -> None:
-        self._add(now, self._place(effect.port), effect.port, effect.host, kinds.ADDRESS, effect.host)
+        self._add(now, self.place(effect.port), effect.port, effect.host, kinds.ADDRESS, effect.host)
 
     def _rung(self, now: Now, effect: effects.TimeoutRung) -> None:
         self._add(now, self._place_of_zone(effect.zone), None, "", kinds.TIMEOUT, None)

@@ -110,7 +110,7 @@ class StopNotes:
     def starts(self, identity: str) -> None:
         """A robot of this run is sent something else now, because a referee started the run again: withdraw its note,
         as a full disk may have a record of neither."""
-        if identity in self._passed or identity in self._notes:
+        if identity in self._passed:
             self._passed.discard(identity)
             self._again.add(identity)
             self._forget(identity)

@@ -13,7 +13,7 @@ T = TypeVar("T")
 Save = Callable[[Any], None]
 
 
-class Keeper:
+class SavedBeside:
     """Saves in threads, one after the other: while a disk hangs, the loop serves pages and STOP.
 
     They are daemons, because a process must be able to end beside a disk that hangs.

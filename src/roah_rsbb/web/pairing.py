@@ -9,7 +9,7 @@ import hashlib
 import secrets
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.web.kept_file import Keeper, Save
+from roah_rsbb.web.kept_file import Save, SavedBeside
 from roah_rsbb.web.limits import Rates
 from roah_rsbb.wording import device, sheets
 from roah_rsbb.wording.language import tr
@@ -156,7 +156,7 @@ class Sessions:
 
     def __init__(self, save: Save, saved: Iterable[Dict[str, Any]] = ()) -> None:
         """`save` keeps the sessions and raises OSError; `saved`: what it kept before."""
-        self.kept = Keeper(save)
+        self.kept = SavedBeside(save)
         """Changes count at once. Wait for it before you answer."""
         self._sessions: Dict[str, DeviceSession] = {}  # by hash of the token, oldest first
         for record in saved:

@@ -24,7 +24,7 @@ from roah_rsbb.web.displays.listed import (
     setting_of,
 )
 from roah_rsbb.web.displays.logos import MAX_BYTES, read_logos
-from roah_rsbb.web.kept_file import Keeper, open_kept
+from roah_rsbb.web.kept_file import SavedBeside, open_kept
 from roah_rsbb.web.pairing import MAX_NAME, Grant
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.web.store import Store
@@ -109,7 +109,7 @@ def test_a_setting_counts_until_it_is_taken_back():
 def test_a_setting_that_cannot_be_saved_counts_until_a_restart(served):
     def fails(_records):
         raise OSError("full")
-    served.displays.kept = Keeper(fails)
+    served.displays.kept = SavedBeside(fails)
     served.opened()
     answer = served.ask({"id": id_of(1), "setting": {"show": "run"}, "language": "de"})
     assert answer.code == 500 and json.loads(answer.body)["reasons"][0].startswith("auf Deutsch: The setting cannot be")

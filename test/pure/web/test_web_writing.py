@@ -10,7 +10,7 @@ import pytest
 from helpers.http_clients import HOST, HttpClients
 from helpers.public_box import PublicBox, event, run
 from roah_rsbb.web import limits, serving
-from roah_rsbb.web.kept_file import Keeper
+from roah_rsbb.web.kept_file import SavedBeside
 from roah_rsbb.web.pairing import GUESSES_AT_ONCE, Grant, NotPaired, Sessions
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.web.store import Store
@@ -122,7 +122,7 @@ def test_a_pairing_that_cannot_be_saved_is_refused_and_its_code_can_be_used_agai
     def fails(_records):
         raise OSError("disk full")
     code, kept = {"code": served.code(), "person": "Anna", "language": "de"}, served.sessions.kept
-    served.sessions.kept = Keeper(fails)
+    served.sessions.kept = SavedBeside(fails)
     answer = served.send("/api/v1/pair", code)
     assert answer.code == 403 and json.loads(answer.body)["reasons"][0].startswith("auf Deutsch: The pairing cannot be")
     assert not served.sessions.listed(served.server.utc())

@@ -33,6 +33,7 @@ SAY_S = 10.0
 WHY = ("the box failed several times in succession, or its disk hangs. It only sends STOP now, to all robots in runs, "
        "and refuses all else. Stop a robot by hand if it moves. Repair what the box's terminal says, end the box "
        "there, and start it again: the runs are in its journal")
+NOT_HEARD = "not heard, because the box that was killed still has its port: see whether it stopped"
 
 _log = logging.getLogger(__name__)
 
@@ -40,19 +41,26 @@ _log = logging.getLogger(__name__)
 class StoppedRobot:
     """The channel of one robot, which is sent STOP. Raises `ValueError`, `TypeError` or OSError."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, port: str, kept: str, make_peer: MakePeer = Peer) -> None:
-        """`port` and `kept`: see `ChannelNotes`."""
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, port: str, kept: str, make_peer: MakePeer = Peer, is_deaf: bool = False,
+    ) -> None:
+        """`port` and `kept`: see `ChannelNotes`. `is_deaf`: another process has the port, and gets what the robot
+        says."""
         name, password, host, benchmark, rsbb_host, bind_host, cipher, broadcast, max_datagram = json.loads(kept)
-        self.name, self.is_stopped = name, False
+        self.name, self.is_stopped, self._is_deaf = name, False, is_deaf
         self._loop, self._sender = loop, StateSender()
         self._stop = pb.BenchmarkState(benchmark_type=benchmark, benchmark_state=int(BoxState.STOP))
         self._stop.acknowledgement.sec = self._stop.acknowledgement.nsec = 0
         self._channel = PrivateChannel(
             loop, rsbb_host, int(port), Key(password), self._hear, lambda text: None, Cipher(cipher), bind_host,
-            broadcast, max_datagram, make_peer=make_peer)
+            broadcast, max_datagram, make_peer=partial(make_peer, deaf=True) if is_deaf else make_peer)
         self._channel.remote = host or None
         self._channel.open()
         self._sender.changed(loop.time())
+
+    def __str__(self) -> str:
+        said = "stopped" if self.is_stopped else "does not say that it stopped"
+        return f"{self.name} ({NOT_HEARD if self._is_deaf else said})"
 
     def look(self) -> None:
         """Send what is due."""
@@ -92,7 +100,7 @@ def _opened(loop: asyncio.AbstractEventLoop, port: str, kept: str, make_peer: Ma
     try:
         return StoppedRobot(loop, port, kept, make_peer)
     except OpenError:  # a box that cannot end still has the port; a robot takes STOP from any port
-        return StoppedRobot(loop, port, kept, partial(make_peer, deaf=True))
+        return StoppedRobot(loop, port, kept, make_peer, is_deaf=True)
 
 
 async def work(lifeline: Lifeline, robots: List[StoppedRobot]) -> None:
@@ -105,9 +113,8 @@ async def work(lifeline: Lifeline, robots: List[StoppedRobot]) -> None:
         lifeline.send()
         if loop.time() >= say_mono + SAY_S:
             say_mono = loop.time()
-            _log.critical("This box only sends STOP: %s. Robots: %s", WHY, ", ".join(
-                f"{robot.name} ({'stopped' if robot.is_stopped else 'does not say that it stopped'})"
-                for robot in robots) or "none, because no run was connected")
+            _log.critical("This box only sends STOP: %s. Robots: %s", WHY,
+                          ", ".join(map(str, robots)) or "none, because no run was connected")
         await asyncio.sleep(LOOK_S)
 
 

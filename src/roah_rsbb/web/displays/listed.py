@@ -8,7 +8,7 @@ import collections
 import re
 from typing import Any, Callable, Dict, Hashable, Iterable, List, NamedTuple, Optional, Set, Tuple
 
-from roah_rsbb.web.kept_file import Keeper, Save
+from roah_rsbb.web.kept_file import Save, SavedBeside
 from roah_rsbb.web.pairing import plain
 
 ROTATING, RUN, STANDINGS, SCHEDULE, RESULTS = SHOWS = ("rotating", "run", "standings", "schedule", "results")
@@ -91,7 +91,7 @@ class Displays:
 
     def __init__(self, save: Save, saved: Dict[str, Any]) -> None:
         """`save` keeps the settings and raises OSError; `saved`: what it kept before."""
-        self.kept = Keeper(save)
+        self.kept = SavedBeside(save)
         """Changes count at once. Wait for it before you answer."""
         self._settings: Dict[str, Setting] = {key: _setting_of(record) for key, record in saved.items()}
         self._open: Dict[Hashable, Display] = {}  # oldest first

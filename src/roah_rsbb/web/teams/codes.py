@@ -8,7 +8,7 @@ import hmac
 import secrets
 from typing import Any, Dict
 
-from roah_rsbb.web.kept_file import Keeper, Save
+from roah_rsbb.web.kept_file import Save, SavedBeside
 from roah_rsbb.web.pairing import CODE_LENGTH, SIGNS, signs_of
 
 FILE = "web_team_codes.json"
@@ -22,7 +22,7 @@ class TeamCodes:
     def __init__(self, save: Save, saved: Dict[str, Any]) -> None:
         """`save` keeps the secret and raises OSError; `saved`: what it kept before; raises ValueError and others if it
         is damaged."""
-        self._keeper = Keeper(save)
+        self._kept = SavedBeside(save)
         self._secret = bytes.fromhex(saved["secret"]) if saved else secrets.token_bytes(_SECRET_BYTES)
         if len(self._secret) != _SECRET_BYTES:
             raise ValueError("the secret has the wrong length")
@@ -54,8 +54,8 @@ class TeamCodes:
         nothing changes."""
         secret = secrets.token_bytes(_SECRET_BYTES) if renews else self._secret
         if renews or not self._is_saved:
-            self._keeper.keep({"secret": secret.hex()})
-            await self._keeper.wait()
+            self._kept.keep({"secret": secret.hex()})
+            await self._kept.wait()
             self._secret, self._is_saved = secret, True
 
     def _derived(self, purpose: str, team: str) -> bytes:

@@ -14,6 +14,7 @@ import pytest
 
 import roah_rsbb
 from helpers.waiting import LIMIT_S, wait_until
+from roah_rsbb.box.program.barest import open_robots
 from roah_rsbb.client.places import OWN_VARIABLE
 from roah_rsbb.comm.channels import PrivateChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
@@ -137,6 +138,17 @@ def test_a_box_that_fails_again_and_again_stops_its_robots(box, tmp_path, fault,
     assert out.count("The box has ended unexpectedly") == 4, "the first one, and three in vain"
     assert "it failed too often, and only sends STOP from now on" in out and "This box only sends STOP" in out
     assert "The robot on port 1 cannot be stopped" in out
+
+
+def test_a_robot_whose_port_another_process_has_is_not_heard():
+    loop, channel = asyncio.new_event_loop(), f"channel/{free_port(ROBOT, socket.SOCK_DGRAM)}"
+    robots = [open_robots(loop, {channel: kept(channel.partition("/")[2])})[0] for _ in range(2)]
+    assert [str(robot) for robot in robots] == [
+        "R1 of Alpha (does not say that it stopped)",
+        "R1 of Alpha (not heard, because the box that was killed still has its port: see whether it stopped)"]
+    for robot in robots:
+        robot.close()
+    loop.close()
 
 
 def test_faces_say_why(box, tmp_path):
