@@ -10,7 +10,7 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import RobotState
 
 from .air import PUBLIC_PORT
-from .ledger import DURABLE
+from .ledger import DURABLE, members
 
 STRANGER = "10.0.0.99"
 
@@ -98,6 +98,8 @@ DISK = ("kill", "kill at an entry", "kill, then kill", "kill, then power", "powe
 OF_STANDBY = ("standby hangs", "standby restarts", "take over", "cut off", "old box restarts")
 NETWORK = ("loss", "late", "double", "cut off", "kill", "attack", "attack after a loss", "replay", "relay", "garbage",
            "forged beacon", "robot crashes", "robot hangs", "robot's clock", "hang at a limit", "left out")
+# How often a referee leads a zone for a trouble.
+MOST_LED = 40
 
 
 class Troubles:
@@ -105,7 +107,7 @@ class Troubles:
 
     def __init__(self, world, random):
         self._world, self._random = world, random
-        self._are_allowed = True
+        self._are_allowed, self._led = True, 0
 
     def begin(self, trouble):
         """A trouble begins, and ends by itself."""
@@ -205,7 +207,7 @@ class Troubles:
         """A run is stopped while the disk takes nothing, perhaps once more, and the box is lost after that."""
         world, box = self._world, self._world.box
         core = None if box.process.is_ended else box.core
-        running = [run for run in ([] if core is None else core.box.zones.runs()) if run.phase is Phase.RUNNING]
+        running = [run for run in ([] if core is None else core.box.zones.runs()) if run.phase is Phase.RUNNING and members(run)]
         if not running:
             self._later(self._stopped_while_frozen__then_lost, is_again, is_burnt, seconds)
             return
@@ -225,9 +227,23 @@ class Troubles:
             world.scheduler.after(at, act)
 
     def _later(self, method, *values):
-        """Begin a trouble again soon: now it makes no difference."""
-        if self._are_allowed:
-            self._world.scheduler.after(0.5, lambda: method(*values))
+        """Begin a trouble again soon: now it makes no difference. The referee leads a zone to where it does."""
+        world, core, is_of_all = self._world, self._world.box.core, method == self._left_out
+        if not self._are_allowed:
+            return
+        world.scheduler.after(0.5, lambda: method(*values))
+        zone = None if core is None else core.box.zones[min(core.box.zones)]
+        self._led += 1
+        if zone is None or method == self._relay or self._led > MOST_LED:
+            return
+        world.referee.rests_until = max(world.referee.rests_until, world.scheduler.now + 0.6)
+        if zone.run is None:
+            is_there = (zone.event.team == "ALL") is is_of_all
+            self._press(core, zone.name, "connect" if is_there else self._random.choice(("next", "previous")))
+        elif zone.run.phase is Phase.CONNECTED and (zone.run.event.team != "ALL" or not is_of_all):
+            self._press(core, zone.name, "disconnect" if is_of_all else "start")
+        elif zone.run.phase is Phase.ENDED:
+            self._press(core, zone.name, "disconnect")
 
     def _take_over(self, how, seconds):
         """The box is lost, and its standby takes over as soon as that is possible."""

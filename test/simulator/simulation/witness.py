@@ -246,8 +246,9 @@ class Witness:
 
     def completed(self, run, went):
         """Whether the robots of a run have done what a completed run needs, since a referee let them go."""
-        return all(any(state is RobotState.RESULT_TX and at > went for at, state in self.reports[member.port])
-                   for member in members(run) if member.robot_state is not None)
+        done = [any(state is RobotState.RESULT_TX and at > went for at, state in self.reports[member.port])
+                for member in members(run) if member.robot_state is not None]
+        return any(done) if run.event.team == "ALL" else all(done)
 
     # -- now and then -------------------------------------------------------------------------------
 
@@ -359,6 +360,6 @@ class Witness:
         if must_save and not robot.client.messages_saved and is_executing and is_alone and (
                 now - max(since, reports[-1][0]) > SAVES_S):
             self._fail("offline data", f"{robot.name} saves none, and {believed.identity} continues")
-        if not is_moving and believed.phase is Phase.RUNNING and not believed.is_doubted:
+        if not is_moving and is_alone and not believed.is_doubted:
             self._fail("robot does not start", f"{robot.name} is in STOP, and {believed.identity} runs since "
                                                f"{believed.changed:.2f}")

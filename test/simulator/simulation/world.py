@@ -166,10 +166,10 @@ def _competition(draw):
     zones = {}
     for name in ("a", "b")[:draw.choice((1, 1, 2))]:
         zones[name] = tuple(
-            ScheduledEvent(benchmark(draw.choice(codes), draw.choice((SHORT_S, 30.0, 600.0)), scoring=SCORING,
+            ScheduledEvent(benchmark("HSUF" if team == "ALL" else draw.choice(codes), draw.choice((SHORT_S, 30.0, 600.0)), scoring=SCORING,
                                      rules=_rules(draw), judges=JudgesRule(2) if draw.random() < 0.15 else None),
-                           draw.choice(teams) if draw.random() < 0.8 else "ALL", 1, number, UTC0 + 60.0 * number)
-            for number in range(1, draw.randint(2, 5)))
+                           team, 1, number, UTC0 + 60.0 * number)
+            for number, team in enumerate(draw.choices((*teams, "ALL"), (2, 2, 1), k=draw.randint(1, 4)), 1))
     return competition(teams=teams, **zones)
 
 

@@ -126,6 +126,9 @@ class MemberRun(Run):
         done = DOINGS[self.message.state] if self.end_reason is None else ENDS[self.end_reason]
         return DOING(doing=done, number=self.link.messages_saved)
 
+    def _stop_clock(self, now: Now) -> None:
+        """Do nothing: others may continue. The whole run stops it with the last one."""
+
     def _time_out(self, now: Now) -> None:
         """Do nothing: the whole run rings the bell, once."""
         self._end(now, EndReason.TIMEOUT)
@@ -262,6 +265,7 @@ class AllRobotsRun(ZoneRun):
         ends = [member.end_reason for member in self._in_phase(Phase.ENDED)]
         counted = [COUNTED(number=ends.count(end), end=text) for end, text in ENDS.items() if end in ends]
         self.state.desc = WHOLE_END(end=WHOLE_ENDS[reason], counted=joined(counted, ", "))
+        self.clock.stop(now)
         self._note_end(now, self.desc, by)
         self.say(now, Level.INFO, self.desc)
 

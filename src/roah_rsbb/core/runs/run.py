@@ -839,9 +839,12 @@ class Run(ZoneRun):
     ) -> None:
         self._enter(RunEvent.END, reason)
         self.state.doubted = self.state.asks = False
-        self.clock.stop(now)
+        self._stop_clock(now)
         self._note_end(now, desc or reason.value, by, left_out_s)
         self._set_state(now, BoxState.STOP, desc or reason.value)
+
+    def _stop_clock(self, now: Now) -> None:
+        self.clock.stop(now)
 
     def _set_state(self, now: Now, state: BoxState, desc: str, goal: GoalMessage = NO_GOAL) -> None:
         desc = self.state.desc = self.times.described(desc)

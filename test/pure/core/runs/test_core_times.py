@@ -126,6 +126,31 @@ def test_a_run_of_all_robots_has_one_setup_time():
     assert clock(driver, "all").elapsed == pytest.approx(before.elapsed + 5.0)
 
 
+@pytest.mark.parametrize("is_paused", [False, True])
+def test_the_clock_of_a_run_of_all_robots_does_not_change_when_the_first_completes(is_paused):
+    rules = EventRules(restarts=Restarts.CLOCK_STOPS, pause=True)
+    driver = BoxDriver(competition(all=[event("HSUF", team="ALL", timeout=60.0, rules=rules)]))
+    robots = [driver.robot(team, "r") for team in ("Alpha", "Beta")]
+    for robot in robots:
+        robot.beacon()
+    driver.command("connect", "all")
+    for robot, member in zip(robots, driver.run_in("all").members()):
+        robot.port = member.port
+        robot.says(RobotState.STOP)
+    driver.command("start", "all")
+    for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
+        robots[0].says(state)
+    if is_paused:
+        driver.command("pause", "all")
+    before = clock(driver, "all").elapsed
+    robots[0].says(RobotState.RESULT_TX)
+    driver.run(5.0)
+    after, run, most = clock(driver, "all"), driver.run_in("all"), before if is_paused else before + 5.0
+    assert ([each.phase for each in run.members()], run.phase) == ([Phase.ENDED, Phase.RUNNING], Phase.RUNNING)
+    assert (bool(after.paused), after.counting) == (is_paused, not is_paused)
+    assert run.record(driver.now).elapsed_s == pytest.approx(after.elapsed) == pytest.approx(most, abs=0.5)
+
+
 # -- restarts -----------------------------------------------------------------------------------------
 
 
