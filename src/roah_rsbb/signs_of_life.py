@@ -6,6 +6,7 @@ else can write to either. A process that only exists sends no sign: one that is 
 loop does not end.
 
 Over the same pair the supervisor keeps a few texts for the next core, such as which channels are open: its *memory*.
+The program that copies has such a pair, too, over which it says whether there is a standby.
 """
 
 import contextlib
@@ -39,9 +40,10 @@ WAITING = b"waiting"
 # Of the supervisor: the core is gone, or slow, and the next one is started.
 STARTING = b"starting"
 # Names in the memory: before the port of a channel; the folder of the journal; the files that say where the door is;
-# the TCP port of the pages; a standby that is connected; what the first core asked the ROS master for.
-CHANNEL, LOG_DIR, DOORS, WEB_PORT, STANDBY = "channel/", "log_dir", "doors", "web_port", "standby"
-ROS_START = "ros_start"
+# the TCP port of the pages; what the first core asked the ROS master for.
+CHANNEL, LOG_DIR, DOORS, WEB_PORT, ROS_START = "channel/", "log_dir", "doors", "web_port", "ros_start"
+# In the memory of the program that copies: the standby. It takes over when that is due, or has taken over.
+STANDBY, CONNECTED, TAKEN = "standby", "connected", "taken"
 # In the environment of the core: its end of the pair.
 LIFELINE = "ROAH_RSBB_LIFELINE"
 # Before a text for the memory.

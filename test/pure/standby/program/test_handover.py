@@ -46,7 +46,8 @@ class Box:
         writer.entry("/notification", "now")
         writer.journal.close()
         self.said = []
-        self.handover = Handover(self.log_dir, lambda: self.is_connected, self._ask, lambda: STANDBY, lambda: self.now)
+        self.handover = Handover(self.log_dir, lambda: self.is_connected, self._ask, lambda: STANDBY, Lifeline(),
+                                 lambda: self.now)
         self.handover.look()
         self.cores = []
 
