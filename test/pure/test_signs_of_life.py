@@ -204,7 +204,7 @@ def test_nobody_watches(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("is_there", [False, True])
 def test_who_sends_waits_for_no_disk(tmp_path, monkeypatch, is_there):
-    """While a file system is frozen, whoever writes to it waits, also to make a folder that is there. Nobody may copy."""
+    """While a disk is frozen, whoever writes to it waits, also to make a folder that is there. Nobody may copy."""
     monkeypatch.setenv("HOME", str(tmp_path))
     if is_there:
         (tmp_path / ".roah_rsbb" / "watch").mkdir(parents=True, mode=0o700)
