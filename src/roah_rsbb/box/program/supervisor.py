@@ -229,9 +229,10 @@ def _watch(box: subprocess.Popen, wishes: list, core: Supervision, course: _Cour
             course.heard(silence.seconds)
         if box.returncode is not None:
             return is_killed
-        has_standby, is_dead = copying.has_standby(), is_killed or status_of(box.pid)[0] == ZOMBIE
+        has_standby, is_zombie = copying.has_standby(), status_of(box.pid)[0] == ZOMBIE
+        is_dead = is_killed or is_zombie
         if is_dead:
-            gone_by_mono = min(gone_by_mono, time.monotonic() + KEPT_S)
+            gone_by_mono = min(gone_by_mono, time.monotonic() + (0.0 if wishes and is_zombie else KEPT_S))
         if time.monotonic() >= gone_by_mono and (wishes or not has_standby):
             return True
         if signs is None and LOG_DIR in core.memory:
