@@ -24,7 +24,16 @@ from roah_rsbb.copies.settings import PARENT, CopySettings
 from roah_rsbb.params import BadParams
 from roah_rsbb.platform import ending_signals, ignore_stops, status_of
 from roah_rsbb.signs_of_life import (
-    HUNG_S, LOG_DIR, LOOK_S, STANDBY, STARTING, TAKEN, Lifeline, Supervision, state_of)
+    HUNG_S,
+    LOG_DIR,
+    LOOK_S,
+    STANDBY,
+    STARTING,
+    TAKEN,
+    Lifeline,
+    Supervision,
+    state_of,
+)
 
 # Of the environment of the box: identifies the supervisor, so that `resume:=launch` continues after a crash only.
 LAUNCH = "ROAH_RSBB_LAUNCH"
@@ -83,7 +92,7 @@ class CopyingProcess:
             self._due_mono = time.monotonic() + COPYING_PAUSE_S
 
     def has_standby(self) -> bool:
-        """Whether a standby takes over, or has. One of which nothing is known lately is none. Call it every `LOOK_S`."""
+        """Whether a standby takes over, or has. One of which nothing was heard lately is none. Call it often."""
         if self._process is not None:
             self._says.look(self._process.pid)
         standby = self._says.memory.get(STANDBY)
