@@ -50,8 +50,8 @@ class Fence:
     ) -> None:
         """`journal`: path of the core's journal. `standby_port`: 0: none. `end` ends the process of a core that was
         superseded while it was not running, and is given for how many seconds, and by which address. `make_peer`
-        replaces `Peer`, for another network. `begin` runs a function that may wait for the disk. `live` says that the core lives
-        while it asks without its loop."""
+        replaces `Peer`, for another network. `begin` runs a function that may wait for the disk. `live` says that
+        the core lives while it asks without its loop."""
         self._begin, self._is_looking, self._live = begin, False, live
         self._loop = loop
         self._log_dir = log_dir
