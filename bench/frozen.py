@@ -1,10 +1,12 @@
 """Measures STOP and START beside a disk that hangs, as for a snapshot. Needs root: it mounts a disk."""
 
 import contextlib
+import os
 import random
 import subprocess
 import time
 from typing import Dict, Iterator
+from unittest import mock
 
 from fleet import Fleet
 from processes import Measured, wait
@@ -19,7 +21,7 @@ LONG_S = 6.0
 
 
 class BoxOnADisk(BoxWithoutRos):
-    """A box whose log_dir is a disk of its own. Use it as a context manager."""
+    """A box with a disk of its own for log_dir and HOME, as on a laptop. Use it as a context manager."""
 
     def _started(self, profile: str, settings: Dict[str, object]) -> Measured:
         disk = self._folder / "disk"
@@ -27,7 +29,8 @@ class BoxOnADisk(BoxWithoutRos):
         for command in (["truncate", "-s", "64M", disk], ["mkfs.ext4", "-q", disk],
                         ["mount", "-o", "loop", disk, self.log_dir]):
             subprocess.run(list(map(str, command)), check=True)
-        return super()._started(profile, settings)
+        with mock.patch.dict(os.environ, HOME=str(self.log_dir)):
+            return super()._started(profile, settings)
 
     def __exit__(self, *error: object) -> None:
         self.process.close()

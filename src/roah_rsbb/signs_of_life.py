@@ -6,6 +6,7 @@ else can write to either. A process that only exists sends no sign: one that is 
 loop does not end.
 
 Over the same pair the supervisor keeps a few texts for the next core, such as which channels are open: its *memory*.
+The program that copies has such a pair, too, over which it says whether there is a standby.
 """
 
 import contextlib
@@ -18,6 +19,8 @@ import socket
 import stat
 import struct
 import subprocess
+import threading
+import time
 from typing import Callable, Dict, Iterator, Mapping, Optional, Sequence
 
 from roah_rsbb import platform
@@ -26,6 +29,8 @@ from roah_rsbb import platform
 HUNG_S = 2.0
 # How often those who watch look.
 LOOK_S = 0.1
+# How often the program that copies is looked for, as long as none listens.
+FIND_S = 1.0
 # READY counts once, and WATCHDOG always.
 SIGN = b"READY=1\nWATCHDOG=1"
 # Not for systemd, for which the service does not end. A core that ends by itself says so.
@@ -35,9 +40,10 @@ WAITING = b"waiting"
 # Of the supervisor: the core is gone, or slow, and the next one is started.
 STARTING = b"starting"
 # Names in the memory: before the port of a channel; the folder of the journal; the files that say where the door is;
-# the TCP port of the pages; a standby that is connected; what the first core asked the ROS master for.
-CHANNEL, LOG_DIR, DOORS, WEB_PORT, STANDBY = "channel/", "log_dir", "doors", "web_port", "standby"
-ROS_START = "ros_start"
+# the TCP port of the pages; what the first core asked the ROS master for.
+CHANNEL, LOG_DIR, DOORS, WEB_PORT, ROS_START = "channel/", "log_dir", "doors", "web_port", "ros_start"
+# In the memory of the program that copies: the standby. It takes over when that is due, or has taken over.
+STANDBY, CONNECTED, TAKEN = "standby", "connected", "taken"
 # In the environment of the core: its end of the pair.
 LIFELINE = "ROAH_RSBB_LIFELINE"
 # Before a text for the memory.
@@ -49,12 +55,13 @@ _READ_BYTES = 2 * MOST_BYTES
 
 
 def _folder() -> str:
-    """Return a folder to which only this user may write. Raises OSError if there is none.
+    """A folder to which only this user may write. It is not in /run/user, which goes when the user logs out."""
+    return os.path.join(os.path.expanduser("~"), ".roah_rsbb", "watch")
 
-    It is not in log_dir, whose disk may hang, nor in /run/user, which goes when the user logs out.
-    """
-    path = os.path.join(os.path.expanduser("~"), ".roah_rsbb", "watch")
-    os.makedirs(path, mode=0o700, exist_ok=True)
+
+def _checked_folder() -> str:
+    """Return the folder. Raises OSError if it is not there, or if others may write to it."""
+    path = _folder()
     found = os.stat(path)
     if found.st_uid != os.geteuid() or stat.S_IMODE(found.st_mode) != 0o700:
         raise PermissionError(errno.EPERM, "others may write there", path)
@@ -64,9 +71,9 @@ def _folder() -> str:
 @contextlib.contextmanager
 def _address(log_dir: str) -> Iterator[str]:
     """The address of the program that copies the journal of this log_dir. A short one, however long the folder's is.
-    Raises OSError."""
+    Nothing is written: the disk may be frozen. Raises OSError."""
     name = hashlib.sha256(os.fsencode(os.path.realpath(log_dir))).hexdigest()[:32]
-    folder = os.open(_folder(), os.O_RDONLY)
+    folder = os.open(_checked_folder(), os.O_RDONLY)
     try:
         yield f"/proc/self/fd/{folder}/{name}"
     finally:
@@ -80,7 +87,8 @@ class Lifeline:
         """`log_dir`: default: that of the core before."""
         self.kept: Dict[str, str] = {}
         """What the core before had kept when it ended."""
-        self._copier = platform.local_socket()
+        self._copier: Optional[socket.socket] = None
+        self._finding, self._find_mono = threading.Thread(), float("-inf")
         systemd = os.environ.get("NOTIFY_SOCKET", "")
         self._systemd = (f"\0{systemd[1:]}" if systemd.startswith("@") else systemd).encode()
         self._unsent: Dict[str, Optional[str]] = {}  # by name; None: it is to be forgotten
@@ -105,6 +113,7 @@ class Lifeline:
         self._log_dir = log_dir
         if log_dir:
             self.keep(LOG_DIR, log_dir)
+            self._find_copier()
 
     def send(self, sign: bytes = SIGN) -> None:
         """Send a sign. Send that of the core in its loop, and nowhere else."""
@@ -115,10 +124,16 @@ class Lifeline:
         if not self._log_dir:
             return
         try:
-            self._copier.send(sign)
+            if self._copier is not None:
+                self._copier.send(sign)
         except OSError as error:
             if error.errno not in (errno.EAGAIN, errno.ENOBUFS):
-                self._find_copier(sign)
+                self._copier = None
+        if self._copier is None and time.monotonic() >= self._find_mono and not self._finding.is_alive():
+            self._find_mono = time.monotonic() + FIND_S
+            self._finding = threading.Thread(target=self._find_copier, args=(sign,), daemon=True)
+            with contextlib.suppress(RuntimeError):
+                self._finding.start()  # whoever sends does not wait for a disk
         if self._systemd and sign in (SIGN, WAITING):
             with contextlib.suppress(OSError), contextlib.closing(platform.local_socket()) as opened:
                 opened.sendto(SIGN, self._systemd)
@@ -156,10 +171,16 @@ class Lifeline:
                 del self._unsent[name]
         return not self._unsent
 
-    def _find_copier(self, sign: bytes) -> None:
-        with contextlib.suppress(OSError), _address(self._log_dir) as address:
-            self._copier.connect(address)
-            self._copier.send(sign)
+    def _find_copier(self, *signs: bytes) -> None:
+        opened = platform.local_socket()
+        try:
+            with _address(self._log_dir) as address:
+                opened.connect(address)
+            for sign in signs:
+                opened.send(sign)
+            self._copier = opened
+        except OSError:
+            opened.close()
 
 
 def _size(name: str, value: str) -> int:
@@ -314,6 +335,7 @@ class Watch:
         opened = platform.local_socket()
         opened.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
         try:
+            os.makedirs(_folder(), mode=0o700, exist_ok=True)
             with _address(self._log_dir) as address:
                 if _is_left(address):
                     os.unlink(address)

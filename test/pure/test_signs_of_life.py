@@ -6,10 +6,12 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 from unittest import mock
 
 import pytest
 
+from helpers.waiting import wait_until
 from roah_rsbb import signs_of_life
 from roah_rsbb.client.client import OLD_S
 from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, CoreSilence, Lifeline, Supervision, Watch
@@ -168,10 +170,13 @@ def test_a_watcher_takes_the_place_of_one_that_ends(watched, tmp_path):
     second.look()
     watched.watch.close()
     second.look()
-    watched.core.send()
-    second.look()
+
+    def is_heard():
+        watched.core.send()
+        second.look()
+        return second.silence.pid == watched.core.pid
+    wait_until(is_heard)
     second.close()
-    assert second.silence.pid == watched.core.pid
 
 
 @pytest.mark.parametrize("is_abstract", [False, True])
@@ -195,6 +200,31 @@ def test_nobody_watches(tmp_path, monkeypatch):
     signs = Lifeline(str(tmp_path))
     for _ in range(1000):
         signs.send()
+
+
+@pytest.mark.parametrize("is_there", [False, True])
+def test_who_sends_waits_for_no_disk(tmp_path, monkeypatch, is_there):
+    """While a disk is frozen, whoever writes to it waits, also to make a folder that is there. Nobody may copy."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    if is_there:
+        (tmp_path / ".roah_rsbb" / "watch").mkdir(parents=True, mode=0o700)
+    waited, begun = [], []
+
+    def watched(name, usual):
+        def call(path, *more, **given):
+            is_write = name == "mkdir" or (name == "open" and more[:1] != (os.O_RDONLY,))
+            if str(path).startswith(str(tmp_path)) and (is_write or (
+                    begun and threading.current_thread() is threading.main_thread())):
+                waited.append((name, path))
+            return usual(path, *more, **given)
+        return call
+    for name in ("mkdir", "open", "stat"):
+        monkeypatch.setattr(os, name, watched(name, getattr(os, name)))
+    signs = Lifeline(str(tmp_path))
+    begun.append(True)
+    signs.send()
+    signs.send()
+    assert not waited
 
 
 def test_a_watcher_that_does_not_read_stops_nobody(tmp_path):

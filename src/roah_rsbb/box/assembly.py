@@ -96,19 +96,19 @@ class CoreAssembly:
         self._turns = Turns(loop, machine.mono, machine.utc, machine.can_wait)
         now = self.now()
         session = CoreSession(now.utc, now.mono, machine.boot_id, machine.pid, machine.uuid, launch)
+        memory = NoMemory() if memory is None else memory
         self.store = open_journal(session, competition(config), self._on_journal_trouble)
         last_ports = last_port or 0, self.store.previous.last_port or 0
         self.box = box = Box(config, settings, beacon_size, max(last_ports), version)
         self.fence = Fence(
             loop, place.log_dir, self.store.path, place.network.rsbb_host, place.network.bind_host, place.standby_port,
             lambda *by: self.event(lambda now: box.supersede(*by)), lambda text: self.event(box.on_trouble, text),
-            machine.running_s, end, make_peer, machine.begin)
+            machine.running_s, end, make_peer, machine.begin, memory.send)
         self.radio = CoreRadio(
             loop, place.network, box, self._turns, lambda text: outputs.log(Level.WARNING, text), make_peer,
             self.fence.check, machine.random_bytes, machine.seen)
         self.radio.use_passwords(version, config.passwords)
         self.journal = CoreJournal(box, self.store)
-        memory = NoMemory() if memory is None else memory
         self._stops, self._channels = StopNotes(memory, inform_standby), ChannelNotes(memory)
         self.run_logs = make_run_logs(machine.uuid, self._on_log_trouble, self._on_log_repaired)
         self.driver = CoreDriver(loop, box, self.radio, self.run_logs, ports, self.journal, outputs, self.now,
@@ -180,7 +180,7 @@ class CoreAssembly:
         self._note_channels()
 
     def _note_channels(self) -> None:
-        self._channels.look(self.radio.open_channels(), self.box.copies.has_standby(self.now()))
+        self._channels.look(self.radio.open_channels())
 
     def check_earlier(self) -> None:
         """In another thread: warn of damage in the part of the journal that a start does not read."""

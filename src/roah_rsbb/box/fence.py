@@ -46,11 +46,13 @@ class Fence:
         standby_port: int, on_superseded: OnSuperseded, on_trouble: Callable[[str], None],
         clock: Callable[[], float] = running_s, end: Callable[[float, str], None] = end_superseded,
         make_peer: MakePeer = Peer, begin: Callable[[Callable[[], None]], None] = begin_thread,
+        live: Callable[[], object] = lambda: None,
     ) -> None:
         """`journal`: path of the core's journal. `standby_port`: 0: none. `end` ends the process of a core that was
         superseded while it was not running, and is given for how many seconds, and by which address. `make_peer`
-        replaces `Peer`, for another network. `begin` runs a function that may wait for the disk."""
-        self._begin, self._is_looking = begin, False
+        replaces `Peer`, for another network. `begin` runs a function that may wait for the disk. `live` says that
+        the core lives while it asks without its loop."""
+        self._begin, self._is_looking, self._live = begin, False, live
         self._loop = loop
         self._log_dir = log_dir
         self._rsbb_host, self._bind_host, self._port = rsbb_host, bind_host, standby_port
@@ -119,6 +121,7 @@ class Fence:
         self._peer.wait(0.0)  # an answer that came before is no answer now
         self._claim.ask_again()
         while self._claim.state is State.ASKING:
+            self._live()  # a core that was stopped for a moment is not ended for this
             self._say_due()
             self._peer.wait(SAY_S / 2)
         self._is_asking_again = False

@@ -7,20 +7,18 @@ prepare again.
 """
 
 import json
-from typing import Callable, Collection, Dict, List, Mapping, NamedTuple, Optional, Protocol, Sequence, Set
+from typing import Callable, Collection, Dict, List, Mapping, NamedTuple, Protocol, Sequence, Set
 
 from roah_rsbb.core.runs.run import UnrecordedStop
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.fields import MAX_TEXT
 from roah_rsbb.model.records import By, EndReason, RunRecord
-from roah_rsbb.signs_of_life import CHANNEL, STANDBY
+from roah_rsbb.signs_of_life import CHANNEL
 
 # Before the identity of the run, in the names of the notes.
 PREFIX = "stop/"
 # Characters of who stopped a run, in a note.
 MOST_WHO = 200
-# What is noted of a standby that is connected.
-THERE = "connected"
 
 
 class Memory(Protocol):
@@ -34,6 +32,9 @@ class Memory(Protocol):
     def drop(self, name: str) -> object:
         """Keep it no longer."""
 
+    def send(self) -> object:
+        """Say that this process lives."""
+
 
 class NoMemory:
     """Without a supervisor, nothing is kept."""
@@ -46,20 +47,20 @@ class NoMemory:
     def drop(self, name: str) -> None:
         """There is nothing."""
 
+    def send(self) -> None:
+        """Nobody listens."""
+
 
 class ChannelNotes:
-    """The open private channels, for a core that only sends STOP (`program/barest.py`), and whether a standby would
-    take over instead."""
+    """The open private channels, for a core that only sends STOP (`program/barest.py`)."""
 
     def __init__(self, memory: Memory) -> None:
         self._memory = memory
-        self._noted = {name: memory.kept[name] for name in memory.kept if name.startswith(CHANNEL) or name == STANDBY}
+        self._noted = {name: memory.kept[name] for name in memory.kept if name.startswith(CHANNEL)}
 
-    def look(self, channels: Mapping[int, Sequence[object]], has_standby: Optional[bool]) -> None:
-        """Note what the channels are now, by port. `has_standby`: None: not known yet."""
+    def look(self, channels: Mapping[int, Sequence[object]]) -> None:
+        """Note what the channels are now, by port."""
         found = {f"{CHANNEL}{port}": json.dumps(channel) for port, channel in channels.items()}
-        if has_standby or (has_standby is None and STANDBY in self._noted):
-            found[STANDBY] = THERE
         for name, value in found.items():
             if self._noted.get(name) != value:
                 self._memory.keep(name, value)

@@ -143,12 +143,6 @@ class Copies:
         """Whether an entry is confirmed only when the standby has it, too."""
         return bool(self._two_at) and STANDBY in self._copies
 
-    def has_standby(self, now: Now) -> Optional[bool]:
-        """Whether the standby is connected. None: not known yet, shortly after the start."""
-        copy = self._copies.get(STANDBY)
-        is_young = copy is not None and copy.report is None and now.mono - copy.heard_mono < SILENT_S
-        return None if is_young else copy is not None and copy.is_connected(now)
-
     def may_be_replaced(self, now: Now) -> bool:
         """Whether the standby may have taken over, and may command the same robots, without a word from it here."""
         copy = self._copies.get(STANDBY)

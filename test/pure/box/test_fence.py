@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import socket
 import threading
+import time
 
 import pytest
 
@@ -22,7 +23,7 @@ class Away:
     """A core whose time the test makes, and the other end of its pair."""
 
     def __init__(self, tmp_path, cleanup, is_decided=True):
-        self.now, self.ends, self.has_answered = 0.0, [], threading.Event()
+        self.now, self.ends, self.signs, self.has_answered = 0.0, [], [], threading.Event()
         self.other = cleanup.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
         self.other.bind((STANDBY, 0))
         port = self.other.getsockname()[1]
@@ -31,7 +32,7 @@ class Away:
         self.fence = Fence(
             self.loop, str(tmp_path), str(tmp_path / "journal"), "127.255.255.255", OWN, port,
             lambda *by: self.ends.append("superseded in the usual way"), None, lambda: self.now,
-            lambda away_s, host: self.ends.append((away_s, host)))
+            lambda away_s, host: self.ends.append((away_s, host)), live=lambda: self.signs.append(time.monotonic()))
         self.words, self.answer = [], Word(Side.STANDBY, 1, claims=False)
         self.port = port
         threading.Thread(target=self._answer, daemon=True).start()
@@ -96,6 +97,7 @@ def test_a_core_that_was_stopped_continues_if_nobody_took_over(away, answer):
     away.now = 60.0
     away.fence.check()
     assert away.words and not away.ends
+    assert away.signs, "it lives while it asks: whoever watches it has no more patience"
     away.words.clear()
     away.fence.check()
     assert not away.words, "it asks once"

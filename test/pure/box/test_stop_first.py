@@ -25,7 +25,7 @@ from roah_rsbb.model.records import By, EndReason, Phase, RunRecord, StopRecord
 from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import Durable
-from roah_rsbb.signs_of_life import CHANNEL, STANDBY
+from roah_rsbb.signs_of_life import CHANNEL
 from roah_rsbb.standby.stops import LONGEST, add_stops, read_stops, stops_in
 from simulation.air import Air
 from simulation.box import Box
@@ -445,19 +445,6 @@ def test_the_barest_core_knows_each_channel_at_once(stage):
     stage.do("disconnect")
     stage.pass_time(0.01)
     assert not channels(stage)
-
-
-def test_a_standby_is_counted_on_while_it_is_connected(stage):
-    """Otherwise the barest core stops the robots: see `program/supervisor.py`."""
-    stage = stage(has_standby=True)
-    stage.pass_time(3.0)
-    assert STANDBY in stage.box.memory.texts
-    stage.box.kill(0.5)
-    stage.pass_time(3.0)
-    assert STANDBY in stage.box.memory.texts
-    stage.air.weather[stage.standby.computer.host].is_cut = True
-    stage.pass_time(20.0)
-    assert STANDBY not in stage.box.memory.texts
 
 
 def test_a_start_that_waits_for_the_disk_is_dropped_by_stop(stage):

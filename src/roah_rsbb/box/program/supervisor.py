@@ -7,7 +7,7 @@ connected, which takes over. The same holds while a box that was killed cannot e
 the lock of the journal and the ports.
 
 Beside the box runs the program that copies the journal, if it is to be copied: when the box does not answer, that one
-hands over to the standby.
+hands over to the standby. It says all the time whether there is one that takes over (see `Lifeline`).
 """
 
 import logging
@@ -23,7 +23,17 @@ from roah_rsbb.arguments import without_ros
 from roah_rsbb.copies.settings import PARENT, CopySettings
 from roah_rsbb.params import BadParams
 from roah_rsbb.platform import ending_signals, ignore_stops, status_of
-from roah_rsbb.signs_of_life import HUNG_S, LOG_DIR, LOOK_S, STANDBY, STARTING, Lifeline, Supervision, state_of
+from roah_rsbb.signs_of_life import (
+    HUNG_S,
+    LOG_DIR,
+    LOOK_S,
+    STANDBY,
+    STARTING,
+    TAKEN,
+    Lifeline,
+    Supervision,
+    state_of,
+)
 
 # Of the environment of the box: identifies the supervisor, so that `resume:=launch` continues after a crash only.
 LAUNCH = "ROAH_RSBB_LAUNCH"
@@ -61,6 +71,7 @@ class CopyingProcess:
         self._read = read
         self._words: Optional[List[str]] = None
         self._process: Optional[subprocess.Popen] = None
+        self._says = Supervision(time.monotonic)
         self._due_mono = float("-inf")
 
     def read(self) -> List[str]:
@@ -74,12 +85,22 @@ class CopyingProcess:
         """Start it, if that is due."""
         if self.read() and time.monotonic() >= self._due_mono and (
                 self._process is None or self._process.poll() is not None):
-            self._process = subprocess.Popen(
-                without_ros(COPIES, *self.read()), env={**os.environ, PARENT: str(os.getpid())})
+            self._says.close()
+            self._says = Supervision(time.monotonic)
+            self._process = self._says.start(
+                without_ros(COPIES, *self.read()), {**os.environ, PARENT: str(os.getpid())})
             self._due_mono = time.monotonic() + COPYING_PAUSE_S
+
+    def has_standby(self) -> bool:
+        """Whether a standby takes over, or has. One of which nothing was heard lately is none. Call it often."""
+        if self._process is not None:
+            self._says.look(self._process.pid)
+        standby = self._says.memory.get(STANDBY)
+        return standby == TAKEN or (standby is not None and self._says.silence.is_alive)
 
     def end(self) -> None:
         """Let it copy what the box wrote last, and end it."""
+        self._says.close()
         if self._process is not None:
             self._process.terminate()
             try:
@@ -169,7 +190,7 @@ def supervise(command: Sequence[str], again: Sequence[str],
             if wishes or (status == 0 and not course.is_barest) or (status in FAILED and not course.was_heard):
                 return 0 if wishes else status
             course.ended(is_ended or not course.is_heard or status not in KILLED)
-            course.is_barest |= course.failures > MOST_FAILURES and STANDBY not in core.memory
+            course.is_barest |= course.failures > MOST_FAILURES and not copying.has_standby()
             _log.error("The box has ended unexpectedly (%s): %s%s", status,
                        "it failed too often, and only sends STOP from now on" if course.is_barest
                        else "the next one continues its runs",
@@ -206,7 +227,7 @@ def _watch(box: subprocess.Popen, wishes: list, core: Supervision, course: _Cour
     """Wait for the end of one process of the box; returns whether it was ended here, because it did not answer. It is
     asked to end when somebody wishes that, or when it `is_over`."""
     is_killed, until_mono, heard_by_mono = False, float("inf"), time.monotonic() + course.start_s
-    there_mono = time.monotonic()
+    gone_by_mono = float("inf")
     signs: Optional[Lifeline] = None
     while True:
         time.sleep(LOOK_S)  # Popen.wait with a time looks twenty times as often
@@ -217,9 +238,11 @@ def _watch(box: subprocess.Popen, wishes: list, core: Supervision, course: _Cour
             course.heard(silence.seconds)
         if box.returncode is not None:
             return is_killed
-        if status_of(box.pid)[0] != ZOMBIE:
-            there_mono = time.monotonic()
-        elif time.monotonic() >= there_mono + KEPT_S and (wishes or STANDBY not in core.memory):
+        has_standby, is_zombie = copying.has_standby(), status_of(box.pid)[0] == ZOMBIE
+        is_dead = is_killed or is_zombie
+        if is_dead:
+            gone_by_mono = min(gone_by_mono, time.monotonic() + (0.0 if wishes and is_zombie else KEPT_S))
+        if time.monotonic() >= gone_by_mono and (wishes or not has_standby):
             return True
         if signs is None and LOG_DIR in core.memory:
             signs = Lifeline(core.memory[LOG_DIR])
@@ -227,17 +250,18 @@ def _watch(box: subprocess.Popen, wishes: list, core: Supervision, course: _Cour
             copying.look()
         elif core.is_waiting:
             heard_by_mono = time.monotonic() + course.start_s
-        elif time.monotonic() > heard_by_mono and not is_killed:
+        elif time.monotonic() > heard_by_mono and not is_dead:
             is_killed = True
             _log.error("The box (process %d) has not started within %g s: %s. It is ended, and the next one starts",
                        box.pid, course.start_s, state_of(box.pid))
             box.kill()
-        if signs is not None and not core.is_waiting and not silence.is_alive and not course.is_barest:
+        if signs is not None and not core.is_waiting and not silence.is_alive and not is_dead and not course.is_barest:
             signs.send(STARTING)  # the standby is to wait for it
         if until_mono == float("inf") and (wishes or is_over()):
             until_mono = time.monotonic() + END_S
             box.terminate()
         if time.monotonic() > until_mono:
+            is_killed = True
             box.kill()
         if silence.pid == box.pid and silence.seconds >= course.patience_s and not is_killed:
             is_killed = True

@@ -36,6 +36,7 @@ from roah_rsbb.model.document import Document
 from roah_rsbb.model.reason import encode
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.params import BadParams
+from roah_rsbb.signs_of_life import Lifeline
 from roah_rsbb.standby import codes
 from roah_rsbb.standby.box_end import BoxEnd
 from roah_rsbb.standby.herald import Herald
@@ -73,9 +74,9 @@ def _own_address(bind_host: str) -> str:
 class Copying:
     """The copies, from the start of the program to its end. Call everything in one thread."""
 
-    def __init__(self, settings: CopySettings, name: str, find: Callable[[], DoorPlace]) -> None:
-        """Start to copy. `name`: of this program; `find`: see `Client`. Raises OSError."""
-        self._settings = settings
+    def __init__(self, settings: CopySettings, name: str, find: Callable[[], DoorPlace], lifeline: Lifeline) -> None:
+        """Start to copy. `name`: of this program; `find`: see `Client`; `lifeline`: see `Handover`. Raises OSError."""
+        self._settings, self._lifeline = settings, lifeline
         self._copies: List[ReportedCopy] = []
         self._modules: Optional[PackedModules] = None
         self._said = ""  # what is wrong with them
@@ -118,7 +119,8 @@ class Copying:
     def _serve_standby(self, settings: CopySettings) -> None:
         log_dir, port = settings.log_dir, settings.standby_port
         self._handover = Handover(log_dir, lambda: self._box_end.is_connected,
-                                  lambda question: self._copies[-1].follower.ask(question), self._standby_host)
+                                  lambda question: self._copies[-1].follower.ask(question), self._standby_host,
+                                  self._lifeline)
         self._herald = Herald(log_dir, (_own_address(settings.bind_host), port),
                               lambda: self._handover.state().is_alive)
         self._box_end = end = BoxEnd(log_dir, settings.bind_host, port, lambda text: _log.warning("%s", text),
@@ -224,7 +226,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> None:
     """Copy the journal of a box. `arguments`: `CopySettings.words`."""
     close_to_others()
     log_to_terminal()
-    ended, parent = threading.Event(), _parent()
+    ended, parent, lifeline = threading.Event(), _parent(), Lifeline()
     for number in platform.ending_signals():  # a terminal sends them to all; this program ends after the box
         signal.signal(number, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: ended.set())
@@ -233,7 +235,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> None:
         settings = copy_settings(BoxSettings(values))
         wait_for_takeover(settings.log_dir, lambda: ended.is_set() or os.getppid() != parent)
         lock = _only_one(settings.log_dir)
-        copying = Copying(settings, NAME, lambda: read_place(door_file_in(settings.log_dir)))
+        copying = Copying(settings, NAME, lambda: read_place(door_file_in(settings.log_dir)), lifeline)
     except (BadParams, OSError) as error:
         sys.exit(f"The journal is not copied: {error}")
     journal_lock, left_s = os.path.join(settings.log_dir, f"{FILE_NAME}.lock"), 0.0

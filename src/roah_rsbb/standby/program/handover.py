@@ -8,17 +8,18 @@ is completed.
 
 import contextlib
 import enum
+import functools
 import logging
 import os
 import signal
 import threading
 import time
-from typing import Callable, Optional
+from typing import Callable, Optional, Tuple
 
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal import file as files
 from roah_rsbb.journal.log import NewerFormat
-from roah_rsbb.signs_of_life import LOOK_S, Watch
+from roah_rsbb.signs_of_life import CONNECTED, LOOK_S, STANDBY, TAKEN, Lifeline, Watch
 from roah_rsbb.standby.remote import CoreState
 
 # Seconds without a sign of life of any core, after which the box hands over: if nobody starts another core,
@@ -29,6 +30,8 @@ HUNG_S = 4.0
 STARTING_S = 20.0
 # Seconds for the last part of the copy, and for the answer of the standby.
 COPY_S, ANSWER_S = 3.0, 5.0
+# For the lock of the journal. A disk that hangs gives none.
+LOCK_S = 2.0
 
 _log = logging.getLogger(__name__)
 
@@ -53,12 +56,13 @@ class Handover:
     """Watches the core, in a thread, and hands over."""
 
     def __init__(self, log_dir: str, is_connected: Callable[[], bool], ask: Callable[[object], None],
-                 by: Callable[[], str], now: Callable[[], float] = time.monotonic) -> None:
+                 by: Callable[[], str], lifeline: Lifeline, now: Callable[[], float] = time.monotonic) -> None:
         """`ask` has the copy completed, and then `complete` called with the question. `by` returns the address of the
-        standby."""
+        standby. `lifeline`: to the supervisor, which counts on a standby that takes over."""
         self._log_dir = log_dir
         self._is_connected, self._ask, self._by = is_connected, ask, by
         self._watch = Watch(log_dir, now)
+        self._lifeline, self._said, self._is_refused = lifeline, "", False
         self._is_handing_over = False
         self._question: object = None
         self._is_complete, self._is_taken, self._ended = threading.Event(), threading.Event(), threading.Event()
@@ -96,17 +100,18 @@ class Handover:
         """Hand over, if that is due."""
         self._watch.look()
         silence = self._watch.silence
+        self._is_refused &= not silence.is_alive
+        self._inform()
         owner = Owner.NEXT if self._watch.is_starting else Owner.NOBODY
         if not silence.pid or not is_due(silence.seconds, owner, self._is_connected()):
             return
+        if self._is_refused and self._lifeline.has_supervisor:
+            return  # it stops the robots: see `box/program/supervisor.py`
         self._watch.kill()
         lock: Optional[files.Lock] = None
         holder, owner = 0, Owner.HUNG
-        if self._watch.is_gone:  # otherwise it has the journal, and the disk may block whoever opens the lock
-            with contextlib.suppress(files.CannotWriteJournal):
-                lock = files.lock(self._log_dir)
-            owner = Owner.NEXT if lock is None else Owner.NOBODY
-            holder = files.holder_of(self._log_dir) if lock is None else 0
+        if self._watch.is_gone:  # otherwise it has the journal
+            lock, holder, owner = self._lock()
         try:
             if is_due(silence.seconds, owner, self._is_connected()):
                 self._hand_over(lock, holder)
@@ -114,6 +119,33 @@ class Handover:
             self._is_handing_over = False
             if lock is not None:
                 os.close(lock.fd)
+
+    def _inform(self) -> None:
+        """Let the supervisor know whether a standby takes over."""
+        says = TAKEN if self._is_taken.is_set() else CONNECTED if self._is_connected() and not self._is_refused else ""
+        if says != self._said:
+            self._said = says
+            if says:
+                self._lifeline.keep(STANDBY, says)
+            else:
+                self._lifeline.drop(STANDBY)
+        self._lifeline.send()
+
+    def _wait(self, event: threading.Event, seconds: float) -> bool:
+        """Wait for an event, and let the supervisor know meanwhile; returns whether it came."""
+        until_mono = time.monotonic() + seconds
+        while not event.wait(LOOK_S) and time.monotonic() < until_mono:
+            self._inform()
+        return event.is_set()
+
+    def _lock(self) -> Tuple[Optional[files.Lock], int, Owner]:
+        """Lock the journal, if the disk allows that in time; returns the lock, or who has it."""
+        trial = _Trial(functools.partial(files.lock, self._log_dir))
+        self._wait(trial.ended, LOCK_S)
+        lock = trial.take()
+        if lock is not None:
+            return lock, 0, Owner.NOBODY
+        return None, files.holder_of(self._log_dir), Owner.NEXT if trial.ended.is_set() else Owner.HUNG
 
     def _hand_over(self, lock: Optional[files.Lock], holder: int) -> None:
         if holder:
@@ -125,10 +157,11 @@ class Handover:
             event.clear()
         self._question = object()
         self._ask(self._question)
-        if not self._is_complete.wait(COPY_S):
+        if not self._wait(self._is_complete, COPY_S):
             _log.error("The copy could not be completed: the standby may lack the last entries")
         self._is_handing_over = True
-        if not self._is_taken.wait(ANSWER_S):
+        if not self._wait(self._is_taken, ANSWER_S):
+            self._is_refused = True
             _log.error("The standby does not take over: see its terminal. A core that is started here continues")
             return
         _log.error("The standby has taken over")
@@ -138,3 +171,30 @@ class Handover:
                 epochs.hand_over(lock.path, time.time(), self._by())
             except (OSError, NewerFormat) as error:
                 _log.error("%s cannot be written: %s", lock.path, error)
+
+
+class _Trial:
+    """Locks the journal in a thread of its own. A lock that comes too late is given back."""
+
+    def __init__(self, lock: Callable[[], files.Lock]) -> None:
+        self.ended = threading.Event()
+        self._lock, self._is_late, self._mutex = lock, False, threading.Lock()
+        self._found: Optional[files.Lock] = None
+        threading.Thread(target=self._work, name="lock for the handover", daemon=True).start()
+
+    def _work(self) -> None:
+        found: Optional[files.Lock] = None
+        with contextlib.suppress(files.CannotWriteJournal):
+            found = self._lock()
+        with self._mutex:
+            if self._is_late and found is not None:
+                os.close(found.fd)
+            elif not self._is_late:
+                self._found = found
+        self.ended.set()
+
+    def take(self) -> Optional[files.Lock]:
+        """Return the lock; None: there is none, and none is kept that comes from now on."""
+        with self._mutex:
+            self._is_late = True
+            return self._found

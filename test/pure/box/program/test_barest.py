@@ -46,16 +46,21 @@ main()
 """
 # A supervisor whose cores only keep the channels of `kept.json`, and then hang or crash; and its barest core.
 SUPERVISOR = """
-import sys
+import os, subprocess, sys
 from roah_rsbb.box.program import supervisor
+from roah_rsbb.copies.settings import CopySettings
+kill = subprocess.Popen.kill
+subprocess.Popen.kill = lambda self: os.path.exists("undead") or kill(self)  # as beside a disk that hangs
 supervisor.PAUSE_S, supervisor.STEADY_S = 0.0, 1e6
 # Nobody waits long for a box that failed before, but the barest core for as long as a busy computer takes.
 supervisor._Course.patience_s = property(lambda self: 60.0 if self.is_barest else 0.2)
 start_s = float(sys.argv[2])
 supervisor._Course.start_s = property(lambda self: 60.0 if self.is_barest or not self.failures else start_s)
-supervisor.without_ros = lambda *words: [sys.executable, "-c", sys.argv[1], *words]
+supervisor.without_ros = lambda *words: [
+    sys.executable, "-c", sys.argv[1] if words[0] != "copies" else open("copies.py").read(), *words]
 command = [sys.executable, "-c", open("box.py").read()]
-sys.exit(supervisor.supervise(command, command, lambda memory: None))
+settings = CopySettings(".", "stick", 0, "0.0.0.0", "none", "127.255.255.255", 6666, "")
+sys.exit(supervisor.supervise(command, command, lambda memory: settings if os.path.exists("copies.py") else None))
 """
 BOX_PROGRAM = """
 import json, os, signal, sys, time
@@ -191,7 +196,23 @@ def test_the_barest_core_follows_one_that_is_ended(box):
     wait_until(lambda: not os.path.exists(f"/proc/{child}"))
 
 
-def test_a_box_that_was_killed_and_cannot_end_leaves_no_robot_executing(box, tmp_path):
+# A process that was killed and is not gone: only a thread of it is left, or it waits for the disk itself.
+ZOMBIE = """
+if starts == 1:
+    kept = sockets.listen("{box}", int(max(lifeline.kept or json.load(open("kept.json")), key=len)[8:]), shared=False)
+    threading.Thread(target=stay).start()
+    ctypes.CDLL(None).pthread_exit(None)  # all that is left is the thread
+"""
+WAITS = """
+if starts == 1:
+    os.close(os.open("undead", os.O_CREAT))
+    while not os.path.exists("thawed"):
+        time.sleep(0.05)
+"""
+
+
+@pytest.mark.parametrize("how, is_ended_before", [(ZOMBIE, False), (WAITS, False), (WAITS, True)])
+def test_a_box_that_was_killed_and_cannot_end_leaves_no_robot_executing(box, tmp_path, how, is_ended_before):
     """A disk that hangs keeps its process, and with that the port of the channel, until it takes data again."""
     process, port = box(f"""
 import ctypes, threading
@@ -201,10 +222,7 @@ def stay():
         lifeline.send()  # or it would be killed, which a disk that hangs would not let happen
         time.sleep(0.05)
     os.kill(os.getpid(), signal.SIGKILL)
-if starts == 1:
-    kept = sockets.listen("{BOX}", int(max(lifeline.kept or json.load(open("kept.json")), key=len)[8:]), shared=False)
-    threading.Thread(target=stay).start()
-    ctypes.CDLL(None).pthread_exit(None)  # all that is left is the thread
+{how.format(box=BOX)}
 sys.exit(0)
 """)
 
@@ -214,11 +232,18 @@ sys.exit(0)
             await asyncio.sleep(0.05)
         robot.channel.close()
         return robot.states
-    assert set(asyncio.run(asyncio.wait_for(play(), LIMIT_S))) == {BoxState.STOP}
-    (tmp_path / "thawed").touch()
+    try:
+        assert set(asyncio.run(asyncio.wait_for(play(), LIMIT_S))) == {BoxState.STOP}
+        if is_ended_before:
+            process.terminate()
+            process.wait(LIMIT_S)
+    finally:
+        (tmp_path / "thawed").touch()
     out, _ = process.communicate(timeout=LIMIT_S)
-    assert process.returncode == 0 and (tmp_path / "starts").read_text("utf-8") == "xx"
+    assert process.returncode == 0
     assert "the next one cannot start. Until the disk takes data again, all robots in runs are sent STOP" in out
+    if how is ZOMBIE:
+        assert (tmp_path / "starts").read_text("utf-8") == "xx"
 
 
 def child_of(pid):
@@ -230,17 +255,48 @@ def wait_for(process, text):
     assert any(text in line for line in process.stdout)
 
 
-@pytest.mark.parametrize("fault, more", [
-    ("os.kill(os.getpid(), signal.SIGKILL)", {}),  # from outside: all that anybody sees is the signal
-    ("os.abort()", {"standby": "connected"}),
-])
-def test_there_is_no_barest_core_for_a_box_that_is_only_killed_or_has_a_standby(box, tmp_path, fault, more):
+# The program that copies says once, or all the time, what it knows of the standby.
+COPIES = """
+import time
+from roah_rsbb.signs_of_life import Lifeline
+lifeline = Lifeline()
+lifeline.keep("standby", "{says}")
+lifeline.send()
+open("said", "w").close()
+while True:
+    time.sleep(0.02)
+    {then}
+"""
+WITH_COPIES = """
+while starts == 1 and os.path.exists("copies.py") and not os.path.exists("said"):
+    lifeline.send()
+    time.sleep(0.02)
+"""
+KILLED = "os.kill(os.getpid(), signal.SIGKILL)"  # from outside: all that anybody sees is the signal
+
+
+@pytest.mark.parametrize("fault, says, then", [
+    (KILLED, "", ""), ("os.abort()", "connected", "lifeline.send()"), ("os.abort()", "taken", "pass")])
+def test_there_is_no_barest_core_for_a_box_that_is_only_killed_or_has_a_standby(box, tmp_path, fault, says, then):
     (tmp_path / "answers").touch()
-    process, _ = box(f"""
+    if says:
+        (tmp_path / "copies.py").write_text(COPIES.format(says=says, then=then), "utf-8")
+    process, _ = box(f"""{WITH_COPIES}
 if starts > 8:
     sys.exit(0)
 {fault}
-""", **more)
+""")
     out, _ = process.communicate(timeout=LIMIT_S)
     assert process.returncode == 0 and "STOP" not in out
     assert len((tmp_path / "starts").read_text("utf-8")) == 9
+
+
+@pytest.mark.parametrize("then", ["pass", "lifeline.drop('standby'); lifeline.send()", "break"])
+def test_a_standby_that_is_lost_or_refuses_is_none(box, tmp_path, then):
+    """Also while no core lives: the program that copies is silent, says so, or has ended."""
+    (tmp_path / "answers").touch()
+    (tmp_path / "copies.py").write_text(COPIES.format(says="connected", then=then), "utf-8")
+    process, _ = box(f"""{WITH_COPIES}
+os.abort()
+""")
+    wait_for(process, "This box only sends STOP")

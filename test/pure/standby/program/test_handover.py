@@ -9,8 +9,10 @@ import threading
 import pytest
 
 from helpers.journals import Writer
+from helpers.waiting import wait_until
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.file import FILE_NAME, JournalInUse, lock
+from roah_rsbb.platform import is_locked
 from roah_rsbb.signs_of_life import LOOK_S, STARTING, Lifeline
 from roah_rsbb.standby.program.handover import HUNG_S, NOBODY_S, STARTING_S, Handover, Owner, is_due
 from roah_rsbb.standby.remote import CoreState
@@ -36,17 +38,36 @@ def test_when_a_handover_is_due(silent_s, owner, is_connected, expected):
     assert is_due(silent_s, owner, is_connected) == expected
 
 
+class Supervisor:
+    """The lifeline to it."""
+
+    def __init__(self):
+        self.says, self.has_supervisor = set(), True
+        self.signs = 0
+
+    def keep(self, name, value):
+        self.says = {value}
+
+    def drop(self, name):
+        self.says = set()
+
+    def send(self):
+        self.signs += 1
+
+
 class Box:
     """A box with a journal, its core in a process, and what the standby does."""
 
     def __init__(self, folder):
         self.now, self.is_connected, self.answers = 0.0, True, True
+        self.supervisor, self.has_lock = Supervisor(), True
         self.log_dir = str(folder)
         writer = Writer(folder)
         writer.entry("/notification", "now")
         writer.journal.close()
         self.said = []
-        self.handover = Handover(self.log_dir, lambda: self.is_connected, self._ask, lambda: STANDBY, lambda: self.now)
+        self.handover = Handover(self.log_dir, lambda: self.is_connected, self._ask, lambda: STANDBY,
+                                 self.supervisor, lambda: self.now)
         self.handover.look()
         self.cores = []
 
@@ -60,8 +81,9 @@ class Box:
 
     def _ask(self, question):
         """The copy is completed, and the next message to the standby says that it takes over."""
-        with pytest.raises(JournalInUse):
-            lock(self.log_dir)
+        if self.has_lock:
+            with pytest.raises(JournalInUse):
+                lock(self.log_dir)
         self.said.append("copy")
         assert self.handover.complete(question)
         threading.Thread(target=self._answer).start()
@@ -111,6 +133,7 @@ def test_a_hung_core_is_ended_and_the_standby_takes_over(box):
     assert box.standing.superseded_by == 2 and box.standing.by == STANDBY and box.standing.cut > 0
     box.pass_time(60.0)
     assert box.said == ["copy", "hand over"], "it hands over once"
+    assert box.supervisor.says == {"taken"}, "the supervisor is to send no STOP to robots of the new box"
     os.close(lock(box.log_dir).fd)
 
 
@@ -170,6 +193,32 @@ def test_a_standby_that_does_not_take_over(box):
         box.pass_time(LOOK_S)
     assert not box.standing.is_superseded and not box.handover.state().hand_over
     os.close(lock(box.log_dir).fd)
+    assert box.supervisor.signs > 10, "also while it waited for the answer"
+    box.said.clear()
+    box.pass_time(60.0)
+    assert not box.said and box.supervisor.says == set(), "the supervisor stops the robots"
+    box.start_core()
+    box.pass_time(LOOK_S)
+    assert box.supervisor.says == {"connected"}
+
+
+def test_a_disk_that_gives_no_lock(box, monkeypatch):
+    """It hangs. The core that was started on it cannot begin, and asks the standby before it does."""
+    thawed, taken = threading.Event(), []
+
+    def hang(log_dir):
+        thawed.wait()
+        taken.append(lock(log_dir))
+        return taken[0]
+    monkeypatch.setattr("roah_rsbb.standby.program.handover.LOCK_S", 0.2)
+    monkeypatch.setattr("roah_rsbb.standby.program.handover.files.lock", hang)
+    box.has_lock = False
+    box.start_core().kill()
+    box.cores[-1].wait(60.0)
+    box.pass_time(HUNG_S + 2 * LOOK_S)
+    assert box.said[:2] == ["copy", "hand over"] and box.supervisor.says == {"taken"}
+    thawed.set()
+    wait_until(lambda: taken and not is_locked(os.path.join(box.log_dir, f"{FILE_NAME}.lock")))
 
 
 def test_a_standby_that_is_not_connected(box):
