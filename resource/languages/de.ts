@@ -1499,6 +1499,11 @@
         </translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/language.py"/>
+        <source>{whole}.{decimals}</source>
+        <translation>{whole},{decimals}</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/wording/module_scores.py"/>
         <source>Whole run</source>
         <translation>Ganzer Lauf</translation>
@@ -1943,6 +1948,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>{points} points</source>
+        <translation>{points} Punkte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Time left</source>
+        <translation>Restzeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>{text}. The robot was done meanwhile, so {left_out} s are not counted: the true time is up to {left_out} s longer. Check it</source>
         <translation>{text}. Der Roboter wurde währenddessen fertig, daher zählen {left_out} s nicht: Die wahre Zeit ist bis zu {left_out} s länger. Prüfen Sie sie</translation>
     </message>
@@ -1970,11 +1985,6 @@
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>no name</source>
         <translation>ohne Namen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
-        <source>{points} points</source>
-        <translation>{points} Punkte</translation>
     </message>
     <message numerus="yes">
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
@@ -2299,6 +2309,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/todo.py"/>
+        <source>The run is in progress</source>
+        <translation>Der Lauf ist im Gang</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/todo.py"/>
         <source>The robot is working</source>
         <translation>Der Roboter arbeitet</translation>
     </message>
@@ -2534,6 +2549,11 @@
         <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
         <source>⚠ silent</source>
         <translation>⚠ stumm</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <source>x {x:.2f} m, y {y:.2f} m</source>
+        <translation>x {x:.2f} m, y {y:.2f} m</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
@@ -4058,6 +4078,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/robots.py"/>
+        <source>{robot} of team {team}</source>
+        <translation>{robot} von Team {team}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/robots.py"/>
         <source>The box cannot reach {robot} at {host}: it has no route to this network. Give the robot an address in the box&apos;s network</source>
         <translation>Die Box erreicht {robot} auf {host} nicht: Sie hat keine Route in dieses Netz. Dem Roboter eine Adresse im Netz der Box geben</translation>
     </message>
@@ -4155,6 +4180,16 @@
         <location filename="../../src/roah_rsbb/core/runs/by_hand.py"/>
         <source>Without a robot: only the referee starts and stops the clock</source>
         <translation>Ohne Roboter: Nur der Schiedsrichter startet und stoppt die Uhr</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/by_hand.py"/>
+        <source>Score sheet opened without a robot</source>
+        <translation>Wertungsbogen ohne Roboter geöffnet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/runs/by_hand.py"/>
+        <source>Started by the referee</source>
+        <translation>Vom Schiedsrichter gestartet</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/runs/functionality.py"/>

@@ -42,6 +42,7 @@ DROP_OF_TEAM_S = 0.02
 # Maximum number of addresses and teams that are remembered as above their quota.
 MAX_PAUSES = 500
 
+OF_TEAM = say("{robot} of team {team}")
 NO_ROUTE = say("The box cannot reach {robot} at {host}: it has no route to this network. Give the robot an address in "
                "the box's network")
 
@@ -53,7 +54,7 @@ class RobotId(NamedTuple):
     robot: str
 
     def __str__(self) -> str:
-        return f"{self.robot} of team {self.team}"
+        return OF_TEAM(robot=self.robot, team=self.team)
 
 
 class Rival(NamedTuple):

@@ -5,6 +5,7 @@ Times are UTC seconds since 1970; None: not yet, or never.
 
 from typing import NamedTuple, Optional, Tuple
 
+from roah_rsbb.model.reason import Said
 from roah_rsbb.model.records import ScoreValue, SheetPoints
 from roah_rsbb.model.zone import SheetItem
 
@@ -23,7 +24,7 @@ class RunLine(NamedTuple):
     started_utc_s: Optional[float] = None  # of the last *start*
     closed_utc_s: Optional[float] = None  # of *disconnect*; None: it is still connected
     end_reason: str = ""  # name of an `EndReason`, in lower case
-    score: str = ""  # the points, or the sums of the groups
+    score: Said = ""  # the points, or the sums of the groups
     corrected: bool = False  # an item has changed since the run ended
     signed_utc_s: Optional[float] = None
     signed_by: str = ""

@@ -2,6 +2,8 @@
 
 from typing import NamedTuple, Optional
 
+from roah_rsbb.model.reason import Said
+
 
 class EventSeen(NamedTuple):
     """An event of the schedule with its state and results. Times are UTC seconds."""
@@ -20,7 +22,7 @@ class EventSeen(NamedTuple):
     current: bool  # its zone is at this event
     identity: str = ""  # of the run that counts; if none does, of the last one that is over; empty: none
     end_reason: str = ""
-    score: str = ""  # of that run; empty also while another attempt is in the zone
+    score: Said = ""  # of that run; empty also while another attempt is in the zone
     signed_utc_s: Optional[float] = None  # None: not signed off
     signed_by: str = ""
     counts: str = ""  # whether that run counts, see `wording.counting`

@@ -127,7 +127,7 @@ def _run(run: RunLine, moments: Moments, utc_s: float) -> Data:
     when = moments.scheduled(run.opened_utc_s, utc_s)
     return {"identity": run.identity, "revision": run.revision, "title": f"{when}  {run_name(run)}",
             "end": with_counting(sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason), run.counts),
-            "score": run.score}
+            "score": tr_said(run.score)}
 
 
 def run_name(run: RunLine) -> str:

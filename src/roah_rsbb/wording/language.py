@@ -6,6 +6,8 @@ several languages. All other programs, and everything that is sent or written to
 
 import contextlib
 import logging
+import re
+import string
 import threading
 from typing import Any, Callable, Iterator, Mapping, Optional, Set
 
@@ -15,6 +17,8 @@ _translate: Optional[Translate] = None  # of the process
 NO_COUNT = -1
 _log = logging.getLogger(__name__)
 _reported: Set[str] = set()
+# An address and a version with more points are none.
+_DECIMAL = re.compile(r"([+-]?\d+)\.(\d+(?: [^\d.]*)?)")
 
 
 def set_translation(translate: Optional[Translate]) -> None:
@@ -53,8 +57,23 @@ def is_english() -> bool:
     return _present() is None
 
 
+def number(text: str) -> str:
+    """Return a decimal number, also one with its unit, with the decimal sign of the present language; another text
+    unchanged. A reader of German takes the point of "866.662" for thousands."""
+    found = None if is_english() else _DECIMAL.fullmatch(text)
+    return text if found is None else tr("{whole}.{decimals}", whole=found[1], decimals=found[2])
+
+
+class _Filling(string.Formatter):
+    """Fills the places of a text, with numbers as people write them."""
+
+    def format_field(self, value: Any, format_spec: str) -> Any:
+        return number(str(super().format_field(value, format_spec)))
+
+
 def tr(text: str, /, **values: Any) -> str:
-    """Return a text in the present language, with the values in its places, such as ``{zone}``.
+    """Return a text in the present language, with the values in its places, such as ``{zone}``, and their numbers as
+    `number` has them.
 
     `text` is positional only, because a text may have a place of this name. The value `n` is a count: a language may
     have other words for one than for several. It never raises: a text that
@@ -65,7 +84,7 @@ def tr(text: str, /, **values: Any) -> str:
         return _filled(text, values)
     try:
         translated = translate(text, values.get("n", NO_COUNT))
-        return translated.format(**values) if values else translated
+        return _Filling().format(translated, **values) if values else translated
     except Exception as error:  # whatever a catalogue does: STOP waits for no text
         _report(text, error)
         return _filled(text, values)

@@ -7,7 +7,7 @@ import json
 import math
 from typing import Any, Dict, Iterable, List, NamedTuple, Tuple
 
-from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.language import number, tr, tr_later
 from roah_rsbb.wording.times import NOTHING
 
 # The title of the scores that belong to the run as a whole.
@@ -50,4 +50,4 @@ def _value(text: str) -> str:
 
 
 def _with_unit(value: str, unit: str) -> str:
-    return f"{value} {unit}" if unit and value != NOTHING else value
+    return number(f"{value} {unit}" if unit and value != NOTHING else value)

@@ -11,7 +11,7 @@ from roah_rsbb.model.public import PublicEvent, PublicResult, PublicRun, PublicS
 from roah_rsbb.model.zone import ENDED, RUNNING
 from roah_rsbb.wording import module_scores, sheets, times
 from roah_rsbb.wording.clock import PAUSED
-from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.language import number, tr, tr_later
 from roah_rsbb.wording.replay import MARK
 from roah_rsbb.wording.said import tr_said
 
@@ -143,8 +143,8 @@ def _following(event: PublicEvent, utc_s: float, many_zones: bool) -> ListLine:
 def _standing(standing: PublicStanding) -> StandingTexts:
     return StandingTexts(standing.benchmark, tuple(
         ListLine(rank.rank, rank.team, "", "", tuple(
-            f"{criterion}: {number}" if number else criterion
-            for criterion, number in zip(standing.criteria, rank.numbers) if number
+            f"{criterion}: {number(found)}"
+            for criterion, found in zip(standing.criteria, rank.numbers) if found
         ))
         for rank in standing.ranks
     ) + tuple(ListLine("", "", "", "", (f"* {tr_said(note)}",)) for note in standing.notes))

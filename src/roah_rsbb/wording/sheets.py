@@ -7,10 +7,11 @@ are shown in the format that the caller passes (`When`).
 import re
 from typing import Callable, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.model.reason import say
+from roah_rsbb.model.reason import joined, say
 from roah_rsbb.model.records import ItemRecord, Outage, SheetPoints
 from roah_rsbb.model.results import HistoryEntry
-from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.language import number, tr, tr_later
+from roah_rsbb.wording.said import tr_said
 from roah_rsbb.wording.times import NOTHING
 
 NOT_ATTEMPTED = tr_later("not attempted")
@@ -40,6 +41,8 @@ END_REASONS = {
 
 _AWAY = say("The box was away for {time} s of the run")
 _AWAY_IN_GOAL = say("The box was away for {time} s of goal {goal}")
+_POINTS = say("{points} points")
+_TIME_LEFT = say("Time left")  # the name of a group of the box's own: `model.scoring.TIME_LEFT`
 _LEFT_OUT = say("{text}. The robot was done meanwhile, so {left_out} s are not counted: the true time is up to "
                 "{left_out} s longer. Check it")
 
@@ -139,7 +142,7 @@ def item_value(type_: str, value: int, not_attempted: bool = False, text: str = 
     if type_ == "bool":
         return tr("yes") if value else tr("no")
     if text:
-        return text
+        return number(text) if type_ in ("decimal", "rating") else text
     return NOTHING if type_ in ("choice", "rating") else str(value)
 
 
@@ -150,7 +153,7 @@ def in_words(item: ItemRecord) -> str:
 
 def ratings_text(ratings: Iterable[Tuple[str, str]]) -> str:
     """Return ratings as a text, such as "Anna 7, Ben 8.5"; `ratings`: judges and what they gave."""
-    return ", ".join(f"{judge} {text}" for judge, text in ratings if text)
+    return ", ".join(f"{judge} {number(text)}" for judge, text in ratings if text)
 
 
 def is_marked(value: int, text: str) -> bool:
@@ -174,11 +177,16 @@ def sums_text(groups: Iterable[GroupOfValues]) -> str:
     return " · ".join(_sum(group) for group in groups if group.values)
 
 
-def points_text(total: str, groups: Iterable[Tuple[str, str]]) -> str:
+def points_said(total: str, groups: Iterable[Tuple[str, str]]) -> str:
     """Return the points, such as "85 points: Achievements 100 · Penalized -15"; of a single group only the total."""
-    groups = list(groups)
-    more = ": " + " · ".join(f"{name} {points}" for name, points in groups) if len(groups) > 1 else ""
-    return tr("{points} points", points=total) + more
+    found = [joined([_TIME_LEFT if name == _TIME_LEFT else name, points], " ") for name, points in groups]
+    said = _POINTS(points=total)
+    return said if len(found) < 2 else joined([said, joined(found, " · ")], ": ")
+
+
+def points_text(total: str, groups: Iterable[Tuple[str, str]]) -> str:
+    """Return the points in the present language."""
+    return tr_said(points_said(total, groups))
 
 
 def points_of(points: Optional[SheetPoints]) -> str:

@@ -12,7 +12,7 @@ import re
 import sys
 from typing import NamedTuple, Optional
 
-from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.language import number, tr, tr_later
 
 # Stands for a value that does not exist.
 NOTHING = "–"
@@ -88,7 +88,7 @@ def in_sentence(seconds: float) -> str:
 def elapsed(seconds: float) -> str:
     """Return the time that something took, to a tenth of a second, such as ``9:58.3`` or ``1:02:03.4``."""
     tenths = max(0, round(seconds * 10))
-    return _minutes(tenths // 600, f"{tenths // 10 % 60:02d}.{tenths % 10}")
+    return _minutes(tenths // 600, number(f"{tenths // 10 % 60:02d}.{tenths % 10}"))
 
 
 def _minutes(minutes: int, seconds: str) -> str:
@@ -109,7 +109,7 @@ def ago(seconds: float) -> str:
 
 def skew(seconds: float) -> str:
     """Return a clock skew with its sign, such as ``+0.150 s``. A skew that rounds to zero is not negative."""
-    return f"{round(seconds, 3) + 0.0:+.3f} s" if abs(seconds) < 100 else f"{seconds:+.3g} s"
+    return number(f"{round(seconds, 3) + 0.0:+.3f} s" if abs(seconds) < 100 else f"{seconds:+.3g} s")
 
 
 def silence(seconds: Optional[float]) -> str:

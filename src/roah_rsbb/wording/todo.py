@@ -52,7 +52,8 @@ def todo(zone: ZoneSeen) -> Todo:
 def _step(zone: ZoneSeen) -> Todo:
     """Return what the run's phase requires."""
     if zone.phase == RUNNING:
-        return Todo(Urgency.NONE, zone.module_status or tr("The robot is working"))
+        working = tr("The run is in progress") if zone.by_hand else tr("The robot is working")
+        return Todo(Urgency.NONE, zone.module_status or working)
     if zone.phase == CONNECTED:
         return _when(tr("Start is possible"), zone.off("start"))
     if zone.phase == ENDED:

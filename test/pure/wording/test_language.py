@@ -15,10 +15,12 @@ from helpers import catalogues, texts_in_code
 from helpers.texts_in_code import fields
 from roah_rsbb.copies import folder
 from roah_rsbb.core import copies
+from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs import functionality
 from roah_rsbb.model.reason import Reason, decode, encode
+from roah_rsbb.model.scoring import TIME_LEFT
 from roah_rsbb.standby import remote
-from roah_rsbb.wording import language, said, stop
+from roah_rsbb.wording import language, said, sheets, stop, times
 from roah_rsbb.wording.catalogues import read, translation, translations
 from roah_rsbb.wording.language import in_language, tr
 
@@ -142,7 +144,7 @@ def test_every_text_shows_every_kind_of_value(logged, code):
                     usable.update({name: 7 for name, spec in _formats(text) if spec.endswith("d")})
                 shown = tr(text, **usable)
                 for name, spec in _formats(text):
-                    assert format(usable[name], spec) in shown, (text, value)
+                    assert language.number(format(usable[name], spec)) in shown, (text, value)
     assert logged == []
 
 
@@ -222,7 +224,8 @@ def test_every_sentence_is_shown_with_every_kind_of_value(logged, code):
                 reason = Reason(sentence, values)
                 shown_text = said.tr_said(sent(reason))
                 if "\x00" not in str(value) and value == value:  # NaN is not the same in JSON
-                    assert shown_text == (translate(sentence, -1).format(**values) if values else
+                    shown_values = {name: language.number(format(each)) for name, each in values.items()}
+                    assert shown_text == (translate(sentence, -1).format(**shown_values) if values else
                                           translate(sentence, -1)), sentence
     assert logged == []
 
@@ -251,3 +254,25 @@ def test_a_file_is_read_when_its_language_is_needed(tmp_path):
     path.unlink()
     with in_language(known["de"]):
         assert tr(text) != text  # it is read once
+
+
+@pytest.mark.parametrize("text, shown", [
+    ("866.662", "866,662"), ("-0.5", "-0,5"), ("+0.150 s", "+0,150 s"), ("0.5 %", "0,5 %"), ("7", "7"),
+    ("10.0.0.3", "10.0.0.3"), ("1.2.0", "1.2.0"), ("r1.5", "r1.5"), ("1.", "1."), ("6.30 to 7.30", "6.30 to 7.30"),
+])
+def test_a_decimal_number_has_the_sign_of_the_readers_language(text, shown):
+    assert language.number(text) == text
+    with in_language(CATALOGUES["de"]):
+        assert language.number(text) == shown
+        assert tr("{text} s", text=text) == f"{shown} s"
+
+
+def test_a_german_reader_sees_points_in_german():
+    points = sheets.points_said("866.662", [("Table", "800"), (TIME_LEFT, "66.662")])
+    assert points == "866.662 points: Table 800 · Time left 66.662"
+    with in_language(CATALOGUES["de"]):
+        assert said.tr_said(decode(encode(points))) == "866,662 Punkte: Table 800 · Restzeit 66,662"
+        assert said.tr_said(str(RobotId("Beta", "r2"))) == "r2 von Team Beta"
+        assert tr("{time:.1f} s", time=1.25) == "1,2 s"
+        assert (times.elapsed(598.3), times.skew(0.15)) == ("9:58,3", "+0,150 s")
+        assert sheets.item_value("decimal", 0, text="2.5") == "2,5"

@@ -47,4 +47,5 @@ def test_the_next_step_or_every_reason_against_it():
     assert todo(zone("connected", start_off=reasons)) == waits
     assert todo(zone("ended")).urgency is Urgency.POSSIBLE
     assert todo(zone("running", module_status="Goal 1 of 2")).text == "Goal 1 of 2"
-    assert todo(zone("running")).urgency is Urgency.NONE
+    assert todo(zone("running")) == (Urgency.NONE, "The robot is working", 0)
+    assert todo(zone("running", by_hand=True)) == (Urgency.NONE, "The run is in progress", 0)

@@ -16,6 +16,7 @@ from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import NOBODY, By, EndReason, Phase
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent
 
+OPENED, STARTED = say("Score sheet opened without a robot"), say("Started by the referee")
 BY_HAND = say("Without a robot: only the referee starts and stops the clock")
 
 
@@ -36,7 +37,7 @@ class HandRun(ZoneRun):
         """Begin a new run."""
         self._emit(effects.SheetOpened(self.record(now)))
         self.times.connected(now)
-        self._describe(now, "Score sheet opened without a robot")
+        self._describe(now, OPENED)
         self._record_changed(now)
 
     def members(self) -> Tuple[Run, ...]:
@@ -54,7 +55,7 @@ class HandRun(ZoneRun):
         self.clock.start(now)
         self._enter(RunEvent.START)
         self._note_start(now)
-        self._describe(now, "Started by the referee")
+        self._describe(now, STARTED)
 
     def stop(self, now: Now, by: By = NOBODY) -> None:
         """See `ZoneRun`."""

@@ -20,13 +20,14 @@ from roah_rsbb.model.judging import (
     Judging,
     ObjectionLine,
 )
+from roah_rsbb.model.reason import joined
 from roah_rsbb.model.records import ItemRecord, JudgeSheet, Objection, RunRecord, ScoreEntry, grouped
 from roah_rsbb.model.results import HistoryEntry, RunEnd, RunLine, RunSheet
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.model.scoring import Number, ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.wording.module_scores import readable
-from roah_rsbb.wording.sheets import GroupOfValues, author, points_text, sums_text
+from roah_rsbb.wording.sheets import GroupOfValues, author, points_said, sums_text
 
 _TYPES = frozenset(kind.word for kind in ScoreKind)
 
@@ -90,9 +91,9 @@ def run_sheet(record: RunRecord, why: Optional[Why]) -> RunSheet:
 def sums_of_record(record: RunRecord) -> str:
     """Return what a module measured of the whole run, and the points of its score sheet, or the sums of its groups if
     it gives none."""
-    measured = [": ".join(readable(score)) for score in record.module_scores if not score.group]
-    sums = sums_text(_groups(record.items)) if record.points is None else points_text(*record.points)
-    return " · ".join(filter(None, [*measured, sums]))
+    measured = [joined(readable(score), ": ") for score in record.module_scores if not score.group]
+    sums = sums_text(_groups(record.items)) if record.points is None else points_said(*record.points)
+    return joined([*measured, *filter(None, [sums])], " · ")
 
 
 def timeless(record: RunRecord) -> RunRecord:

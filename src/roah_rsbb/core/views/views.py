@@ -313,4 +313,4 @@ def _attempt_lines(view: ZoneSeen) -> List[str]:
 def _ready(robots: Sequence[ActiveRobot]) -> str:
     if len(robots) == 1:
         return ONE_READY(robot=str(robots[0].id))
-    return READY(number=len(robots), robots=", ".join(str(robot.id) for robot in robots))
+    return READY(number=len(robots), robots=joined([str(robot.id) for robot in robots], ", "))

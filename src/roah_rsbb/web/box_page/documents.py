@@ -99,7 +99,7 @@ def _schedule(shown: PartShown) -> Data:
     left = {zone.zone: schedule.left_unsigned(current, zone.zone) for zone in shown.zones()}
     return {
         "summary": schedule.summary(events), "hidden": len(events) - len(some), "leaving": _leaving(shown),
-        "left": {zone: {"id": event.id, "name": _event_name(event), "score": event.score}
+        "left": {zone: {"id": event.id, "name": _event_name(event), "score": tr_said(event.score)}
                  for zone, event in left.items() if event is not None},
         "events": [_event(event, current, several_days) for event in some],
     }
@@ -115,7 +115,7 @@ def _event(event: EventSeen, current: List[EventSeen], several_days: bool) -> Da
         "when": schedule.moment_text(event.scheduled_utc_s, several_days),
         # An estimate has a mark that distinguishes it from a fact.
         "begins": begins if has_begun or not begins else f"~ {begins}", "late": schedule.delay_text(event.late_s),
-        "state": schedule.state_text(event), "score": event.score, "sheet": schedule.sheet_text(event),
+        "state": schedule.state_text(event), "score": tr_said(event.score), "sheet": schedule.sheet_text(event),
         "current": event.current, "off": schedule.why_not(current, event),
         "shows": [show.value for show in schedule.Show if schedule.EventFilter(show=show).shows(event)],
     }
@@ -150,7 +150,7 @@ def _run(run: RunLine, shown: PartShown) -> Data:
         "identity": run.identity, "revision": run.revision,
         "title": f"{_MOMENTS.scheduled(run.closed_utc_s or run.opened_utc_s, shown.now.utc)}  {run_name(run)}",
         "end": with_counting(sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason), run.counts),
-        "score": run.score, "sheet": "; ".join([*([f"⚠ {tr(sheets.NOT_SAVED)}"] if unsaved else []),
+        "score": tr_said(run.score), "sheet": "; ".join([*([f"⚠ {tr(sheets.NOT_SAVED)}"] if unsaved else []),
                             *([tr(sheets.CORRECTED)] if run.corrected else []), sheet]),
         "is_closed": run.closed_utc_s is not None, "is_signed": run.signed_utc_s is not None,
         "is_judged": judged is not None and judged.count > 0,

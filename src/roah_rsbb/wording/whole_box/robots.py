@@ -10,7 +10,7 @@ from typing import Deque, Dict, Hashable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.document import Document
 from roah_rsbb.wording import times
-from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.language import number, tr, tr_later
 
 COLUMNS = (
     tr_later("Team"), tr_later("Robot"), tr_later("Link"), tr_later("Clock skew"), tr_later("Run in zone"),
@@ -80,9 +80,10 @@ def text(longest_silence_s: Optional[float]) -> str:
     """Return it as bars and a word, with the number if something is wrong."""
     if longest_silence_s is None:
         return ""
-    for number, level in enumerate(LEVELS):
+    for level in LEVELS:
         if longest_silence_s <= level.up_to_s:
-            return f"{tr(level.text)}, {longest_silence_s:.1f} s" if number else tr(level.text)
+            silence = number(f"{longest_silence_s:.1f} s")
+            return tr(level.text) if level is LEVELS[0] else f"{tr(level.text)}, {silence}"
     return tr(SILENT)
 
 

@@ -28,6 +28,6 @@ def tablet(seen: TabletSeen, now: Now, moments: Moments) -> List[Tuple[str, floa
     silent = f"  {tr('⚠ silent')}" if silent_s > TABLET_SILENT_S else ""
     heard, call, position = ((moments.and_age(utc_s, now.utc), utc_s) for utc_s in (
         now.utc - silent_s if seen.heard else 0.0, seen.call_utc_s, seen.position_utc_s))
-    place = f"x {seen.position_x:.2f} m, y {seen.position_y:.2f} m" if seen.position_utc_s else tr("none")
+    place = tr("x {x:.2f} m, y {y:.2f} m", x=seen.position_x, y=seen.position_y) if seen.position_utc_s else tr("none")
     return [(heard[0] + silent, heard[1]), (tr("Map") if seen.display_map else tr("Call button"), 0.0), call,
             (place, 0.0), position]
