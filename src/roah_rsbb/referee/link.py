@@ -52,6 +52,7 @@ class Link(Client[Document]):
             if self.here_s() >= (deadline if self.news > 1 and self.why else last):
                 raise NoCore(self.trouble)
             self.next(AGAIN_S)
+        use_zone(self.document.public.time_zone)
 
     @property
     def box(self) -> Document:

@@ -3,7 +3,7 @@
 from roah_rsbb.model.document import BoxSeen, Document
 from roah_rsbb.model.public import Public
 from roah_rsbb.referee.link import Link, caller_name
-from roah_rsbb.wording.times import Moments
+from roah_rsbb.wording.times import Moments, use_zone
 
 
 def test_a_caller_has_a_name_that_ros_allows() -> None:
@@ -12,7 +12,11 @@ def test_a_caller_has_a_name_that_ros_allows() -> None:
 
 
 def test_times_are_those_of_the_venue(monkeypatch) -> None:
-    document = Document(BoxSeen("uuid", "", 0), {}, {}, {}, {}, {}, public=Public(time_zone="Asia/Tokyo"))
-    monkeypatch.setattr(Link, "document", document)
-    assert Link().box is document
-    assert Moments().with_zone(0.0) == "09:00:00 JST"
+    for zone, shown in (("Asia/Tokyo", "09:00:00 JST"), ("UTC", "00:00:00 UTC")):
+        document = Document(BoxSeen("uuid", "", 0), {}, {}, {}, {}, {}, public=Public(time_zone=zone))
+        monkeypatch.setattr(Link, "document", document)
+        monkeypatch.setattr(Link, "is_old", False)
+        Link().open()
+        assert Moments().with_zone(0.0) == shown
+        assert Link().box is document
+    use_zone("")

@@ -9,7 +9,6 @@
 
 import argparse
 import contextlib
-import datetime
 import json
 import os
 import pwd
@@ -17,7 +16,6 @@ import shutil
 import signal
 import socket
 import sys
-import tempfile
 import threading
 import time
 from typing import Any, Dict, Iterator, List, Optional, Sequence, TextIO, Tuple
@@ -31,7 +29,8 @@ from roah_rsbb.journal.contents import open_journal
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.log import NewerFormat, names_in
 from roah_rsbb.rulebook.benchmarks import Durable
-from roah_rsbb.rulebook.config import settings_in
+from roah_rsbb.rulebook.config import ScheduleSettings, settings_in
+from roah_rsbb.rulebook.text_files import known
 from roah_rsbb.standby import codes
 from roah_rsbb.standby.channel import Lost
 from roah_rsbb.standby.messages import MODULES, NETWORK, PASSWORDS
@@ -56,6 +55,7 @@ from roah_rsbb.standby.program.request import Reply, Requests, request
 from roah_rsbb.standby.standby_end import CannotPair, StandbyEnd, is_alive, is_open, pair, rejoin
 from roah_rsbb.standby.words import rejoin_key
 from roah_rsbb.tools.preflight_checks import Severity, check_other_box
+from roah_rsbb.wording import times
 
 PROGRAM = "standby"
 DEFAULT_PORT = 8083
@@ -269,6 +269,7 @@ def _keep_copy(
     _give_back_address(folder)
     forget_standby(folder)  # this computer may have been the box
     _note_folder(folder)
+    _use_zone(folder)
     taking_over: List[str] = []  # why
 
     def take_over(why: str) -> None:
@@ -368,7 +369,7 @@ def _locked(folder: str) -> Iterator[TextIO]:
 
 def _show(state: str) -> None:
     with contextlib.suppress(OSError):  # the output may be a file on a full disk
-        print(f"{time.strftime('%H:%M:%S')} {state or 'The copy is kept'}", flush=True)
+        print(f"{times.at_venue(time.time())} {state or 'The copy is kept'}", flush=True)
 
 
 # -- status ---------------------------------------------------------------------------------------------
@@ -379,6 +380,7 @@ def status(folder: str) -> Iterator[str]:
     box, standby = read_box(folder), read_standby(folder)
     if not _has_journal(folder) and box is None:
         raise Denied(f"{folder} is neither the log_dir of a box nor the folder of a copy: give another --log-dir")
+    _use_zone(folder)
     standing = _standing(folder)
     if standby is not None or box is None:
         yield from _status_of_box(standby, standing)
@@ -390,16 +392,28 @@ def status(folder: str) -> Iterator[str]:
 
 def _durable_of(folder: str) -> str:
     """Say what the schedule in force demands."""
+    settings = _settings_of(folder)
+    if settings is None:
+        return "What 'durable' is set to is not known here"
+    if settings.durable is Durable.TWO:
+        return "Scores and sign-offs are confirmed when the standby has them, too (durable: two)"
+    return "Scores and sign-offs are confirmed without waiting for the standby (durable: one)"
+
+
+def _settings_of(folder: str) -> Optional[ScheduleSettings]:
+    """Return the settings in the schedule in force; None: they are not known here."""
     kept = in_force.read_in_force(folder)
     text = None if kept is None else kept.versions[kept.present].texts[1]
     if text is None:
-        return "What 'durable' is set to is not known here"
-    with tempfile.NamedTemporaryFile("w", encoding="utf-8", suffix=".yaml") as file:
-        file.write(text)
-        file.flush()
-        if settings_in(file.name).durable is Durable.TWO:
-            return "Scores and sign-offs are confirmed when the standby has them, too (durable: two)"
-    return "Scores and sign-offs are confirmed without waiting for the standby (durable: one)"
+        return None
+    with known({"schedule.yaml": text}):
+        return settings_in("schedule.yaml")
+
+
+def _use_zone(folder: str) -> None:
+    """Show times in the time zone of the competition, or of this computer if that is not known here."""
+    settings = _settings_of(folder)
+    times.use_zone("" if settings is None else settings.time_zone)
 
 
 def _status_of_box(standby: Optional[PairedStandby], standing: epochs.BoxEpoch) -> Iterator[str]:
@@ -411,8 +425,8 @@ def _status_of_box(standby: Optional[PairedStandby], standing: epochs.BoxEpoch) 
         yield f"The standby of this box is {standby.name}" + (
             f", last connected from {standby.host}" if standby.host else ", which was never connected")
         if standby.replaced:
-            paired = datetime.datetime.fromtimestamp(standby.paired_utc, datetime.timezone.utc)
-            yield f"It was paired on {paired:%Y-%m-%d at %H:%M:%S} UTC, and replaced {standby.replaced}"
+            paired = f"{times.day_of(standby.paired_utc)} at {times.at_venue(standby.paired_utc)}"
+            yield f"It was paired on {paired}, and replaced {standby.replaced}"
 
 
 def _status_of_standby(folder: str, box: PairedBox) -> Iterator[str]:
@@ -630,8 +644,9 @@ def last_moment(folder: str) -> str:
     utc = open_journal(os.path.join(folder, FILE_NAME)).contents.utc
     if not utc:
         return "The copy is empty"
-    moment = datetime.datetime.fromtimestamp(utc, datetime.timezone.utc)
-    return f"The newest entry of the copy is from {moment:%H:%M:%S} UTC, {max(0.0, time.time() - utc):.0f} s ago"
+    _use_zone(folder)
+    ago_s = max(0.0, time.time() - utc)
+    return f"The newest entry of the copy is from {times.at_venue(utc)}, {ago_s:.0f} s ago"
 
 
 def _folder_of(options: argparse.Namespace) -> str:

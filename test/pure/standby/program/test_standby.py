@@ -223,7 +223,11 @@ def test_another_program_that_uses_the_copy_is_not_ended(copied):
 
 
 def test_when_the_copy_ends(copied):
-    assert standby.last_moment(str(copied.stick)).startswith("The newest entry of the copy is from 11:00:01 UTC, ")
+    for zone, shown in (("UTC", "11:00:01 UTC, "), ("Asia/Tokyo", "20:00:01 JST, ")):
+        texts = Texts(("b", "s", "p"), (None, f"- time_zone: {zone}", None))
+        write_in_force(str(copied.stick), InForce("launch", 1, {1: texts}))
+        assert standby.last_moment(str(copied.stick)).startswith(f"The newest entry of the copy is from {shown}")
+    standby.times.use_zone("")
 
 
 def test_arguments_of_the_launch_file_may_stand_anywhere(copied, monkeypatch):
@@ -546,7 +550,7 @@ def test_the_status_of_a_standby(copied, monkeypatch):
     lines = list(standby.status(str(copied.stick)))
     assert lines[:2] == ["This computer is the standby of the box at 10.0.0.2, which answers",
                          "The copy is not kept: start 'standby follow'"]
-    assert lines[2].startswith("The newest entry of the copy is from 11:00:01 UTC")
+    assert lines[2].startswith("The newest entry of the copy is from ")
     assert lines[3] == "Epoch 1"
     assert lines[4].endswith("(durable: one)")
     demand_two(copied.stick)
