@@ -47,6 +47,7 @@ class Store(Numbered):
             return []
         teams = {team for run in document.public_runs.values() for team in run.teams}
         teams.update(event.team for event in document.public.following)
+        teams.update(event.team for event in document.schedule.values())
         teams.update(result.event.team for result in document.public_results.values())
         teams.update(rank.team for standing in document.public.standings for rank in standing.ranks)
         return sorted(teams - {ALL_TEAMS})

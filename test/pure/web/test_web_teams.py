@@ -203,9 +203,11 @@ def test_names_are_bounded(served, path):
 
 
 def test_organisers_see_the_codes_of_all_teams(served):
+    over = EventSeen("e9", 1, "Lab", "HWV", "Visitors", "Delta", 1, 1, NOW, NOW, "skipped", False)
+    served.box.document = served.box.document._replace(schedule={over.id: over})
     answer = served.ask("/api/v1/codes", cookie=served.paired("organiser"))
     found = {line["team"]: line["code"] for line in json.loads(answer.body)["codes"]}
-    assert set(found) == {"Alpha", "Beta", "Gamma", TEAM}
+    assert set(found) == {"Alpha", "Beta", "Delta", "Gamma", TEAM}
     assert found[TEAM] == served.server.team_codes.code(TEAM)
     renewed = served.ask("/api/v1/codes", body={}, cookie=served.paired("organiser"))
     assert json.loads(renewed.body)["codes"] != json.loads(answer.body)["codes"]
