@@ -7,6 +7,9 @@ function number(text) {
   return text === "" ? null : Number(text);
 }
 
+// A phone may type a typographic minus. The box refuses an invalid number.
+const whole = (text) => text === "" ? NaN : Number(text.replace("−", "-"));
+
 // Which keys a phone shows for the values of an item: its keypad for decimals may have no minus.
 export const keypad = ({type, min}) => type !== "uint" && (min === "" || Number(min) < 0) ? "text" : "decimal";
 
@@ -71,6 +74,8 @@ function Item({item, zone, waiting, refused, mark, texts, judge}) {
           <label>${texts.note}: ${texts.note_how}
             <input maxlength="200" value=${note} onInput=${(event) => setNote(event.target.value)} />
           </label>
+          ${["uint", "int"].includes(item.type) && !judge && html`<${Entry} item=${item} texts=${texts} value=${String(item.value)}
+            label=${texts.value.replace("{item}", () => name)} enter=${(text) => enter({value: whole(text)}, text)} />`}
         </div>`}
     </li>`;
 }

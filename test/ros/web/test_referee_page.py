@@ -341,6 +341,16 @@ class TestRefereePage(NeedsBrowser, BoxCase):
                       f"the box has it: {pressed}")
         self.assertEqual(page.get("marks.refused.length"), 0)
 
+    def test_a_number_is_typed_below_the_options(self) -> None:
+        page = self.running()
+        more = f"document.querySelector({json.dumps(f'[data-item={json.dumps(DEVICE)}] .more')})"
+        page.wait(f"(b => b && !b.dataset.changed && (b.click(), true))({more})", "the options are opened")
+        page.fill(".options .entry input", "17")
+        self.tap(page, ".options .entry button")
+        shown = f"document.querySelector({json.dumps(f'[data-item={json.dumps(DEVICE)}] .shown')})"
+        page.wait(f"{shown}.textContent === '17' && marks.waiting.length === 0", "the box has it")
+        self.assertEqual(page.get("marks.refused.length"), 0)
+
     def test_a_mark_that_is_not_on_all_disks_is_not_confirmed_and_keeps_no_other_one(self) -> None:
         page = self.running()
         page.wait("document.querySelector('.all button[data-changed]') === null", "nothing has changed just now")
