@@ -379,7 +379,8 @@ class Ledger:
         read = believed.watch.read(now)
         came = self._world.witness.results(run, believed) if run.end_reason is EndReason.COMPLETED else ()
         believed.final = None if is_unseen else (min([read, *(at for at, _ in came)]), read)
-        if is_unseen and before is Phase.RUNNING and self._world.witness.is_counted(run):
+        is_alone = believed.event.team != "ALL"
+        if is_unseen and before is Phase.RUNNING and is_alone and self._world.witness.is_counted(run):
             self._check_left_out(run.record(core.now()), believed)
         believed.is_paused = False
         believed.place, believed.phases = 0, []

@@ -207,7 +207,8 @@ class Troubles:
         """A run is stopped while the disk takes nothing, perhaps once more, and the box is lost after that."""
         world, box = self._world, self._world.box
         core = None if box.process.is_ended else box.core
-        running = [run for run in ([] if core is None else core.box.zones.runs()) if run.phase is Phase.RUNNING and members(run)]
+        runs = [] if core is None else core.box.zones.runs()
+        running = [run for run in runs if run.phase is Phase.RUNNING and members(run)]
         if not running:
             self._later(self._stopped_while_frozen__then_lost, is_again, is_burnt, seconds)
             return

@@ -166,8 +166,9 @@ def _competition(draw):
     zones = {}
     for name in ("a", "b")[:draw.choice((1, 1, 2))]:
         zones[name] = tuple(
-            ScheduledEvent(benchmark("HSUF" if team == "ALL" else draw.choice(codes), draw.choice((SHORT_S, 30.0, 600.0)), scoring=SCORING,
-                                     rules=_rules(draw), judges=JudgesRule(2) if draw.random() < 0.15 else None),
+            ScheduledEvent(benchmark("HSUF" if team == "ALL" else draw.choice(codes),
+                                     draw.choice((SHORT_S, 30.0, 600.0)), scoring=SCORING, rules=_rules(draw),
+                                     judges=JudgesRule(2) if draw.random() < 0.15 else None),
                            team, 1, number, UTC0 + 60.0 * number)
             for number, team in enumerate(draw.choices((*teams, "ALL"), (2, 2, 1), k=draw.randint(1, 4)), 1))
     return competition(teams=teams, **zones)
