@@ -32,7 +32,6 @@ class BadNetwork:
     def __init__(self, loop: asyncio.AbstractEventLoop, seed: int, make_peer: Optional[MakePeer] = None) -> None:
         self.out = self.back = PERFECT
         self.largest = 0  # bytes of the largest datagram that was received
-        self.received = 0  # datagrams on private channels
         self.sent: List[bytes] = []  # datagrams on private channels, while `keep` is set
         self.keep = False
         self._peers: Dict[int, BadPeer] = {}  # the latest by port
@@ -49,7 +48,6 @@ class BadNetwork:
 
         def receive(datagram: bytes, sender: Address) -> None:
             self.largest = max(self.largest, len(datagram))
-            self.received += is_private
             # What this network adds is a delay on the way.
             received_utc = made.real_received_utc if self.back is PERFECT else None
 

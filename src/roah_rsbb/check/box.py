@@ -84,7 +84,6 @@ class CheckRecord:
     complaints: List[Tuple[float, str]] = field(default_factory=list)  # on the public channel
     stale: int = 0  # reports that were not newer than the newest
     overload: int = 0  # reports that were not read
-    commands: List[effects.SetDevice] = field(default_factory=list)
 
 
 class WatchedBox(Box):
@@ -220,8 +219,6 @@ class CheckBox(NetworkDriver):
         elif isinstance(effect, effects.AnotherBox):
             self.another = another_box(effect.host)
             self._news()
-        elif isinstance(effect, effects.SetDevice):
-            self._record.commands.append(effect)
         elif isinstance(effect, effects.ModuleRunsChanged):
             self._loop.call_soon(self._publish)
 
