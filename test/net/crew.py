@@ -5,10 +5,10 @@ import contextlib
 import time
 from typing import Any, Callable, List, NamedTuple, Optional, Tuple
 
-from helpers.box_beacon import box_beacon
 from namespaces import BROADCAST, LIMIT_S, Station
 from support.waiting import happened, wait_until
 
+from helpers.box_beacon import box_beacon
 from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb

@@ -8,13 +8,13 @@ import time
 from typing import Callable, Dict, List, Optional
 
 import rospy
-from helpers.box_beacon import box_beacon
 from rosgraph_msgs.msg import Log
 from support.box_case import CORE, BoxCase
 from support.connections import wait_sends
 from support.robots import BOX, PASSWORDS, RSBB_PORT, host_of, wire
 from support.waiting import happened, wait_until
 
+from helpers.box_beacon import box_beacon
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
