@@ -104,6 +104,6 @@ def add_password(to: "argparse._ArgumentGroup") -> None:
 
 def public_port(text: str) -> int:
     """A type for argparse: a public UDP port, with space for private ports above it."""
-    if not text.isdigit() or not 1 <= int(text) <= 65000:
+    if not text.isdecimal() or not 1 <= int(text) <= 65000:
         raise argparse.ArgumentTypeError(f"{text!r} is not a UDP port from 1 to 65000. Private ports are above it")
     return int(text)

@@ -3,11 +3,12 @@
 import asyncio
 import contextlib
 import time
-from typing import Any, Callable, List, NamedTuple, Optional
+from typing import Any, Callable, List, NamedTuple, Optional, Tuple
 
 from namespaces import BROADCAST, LIMIT_S, Station
 from support.waiting import happened, wait_until
 
+from helpers.box_beacon import box_beacon
 from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -233,12 +234,10 @@ def wire(seconds: float) -> pb.Time:
     return pb.Time(sec=sec, nsec=nsec)
 
 
-def foreign_beacon(*listed: pb.BenchmarkingTeam) -> pb.RoahRsbbBeacon:
+def foreign_beacon(*listed: Tuple[str, str, int]) -> pb.RoahRsbbBeacon:
     """The beacon of a box that is none of ours."""
-    never = wire(0)
-    return pb.RoahRsbbBeacon(
-        benchmarking_teams=listed, devices_bell=never, devices_switch_1=True, devices_switch_2=True,
-        devices_switch_3=True, devices_dimmer=1, devices_blinds=FOREIGN_BLINDS, devices_door_win_detect=True,
-        tablet_display_map=True, tablet_call_time=never, tablet_position_time=never, tablet_position_x=9.0,
+    return box_beacon(
+        *listed, devices_switch_1=True, devices_switch_2=True, devices_switch_3=True, devices_dimmer=1,
+        devices_blinds=FOREIGN_BLINDS, devices_door_win_detect=True, tablet_display_map=True, tablet_position_x=9.0,
         tablet_position_y=9.0,
     )

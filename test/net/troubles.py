@@ -120,7 +120,7 @@ def _executing(the_round, code: str, held: bool = False):
 @contextlib.contextmanager
 def strangers(station: Station, teams: List[str]) -> Iterator[None]:
     """A second box that lists everybody's robot, beacons of invented robots, and tablets that cannot be."""
-    listed = [pb.BenchmarkingTeam(team_name=team, robot_name=ROBOT, rsbb_port=NO_PORT) for team in teams]
+    listed = [(team, ROBOT, NO_PORT) for team in teams]
 
     def messages() -> list:
         found = [foreign_beacon(*listed)]

@@ -17,7 +17,17 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 PRIVATE_PORTS = 99
 """This many ports above the public one count as private channels, also before a beacon lists them."""
 
-_MAX_REMEMBERED = 1000  # addresses with their speakers, and ports with their keys
+_MAX_REMEMBERED = 1000
+
+
+class NewestEntries(OrderedDict):
+    """Remembers what was set last, because names and addresses can be forged."""
+
+    def __setitem__(self, key: Any, value: Any) -> None:
+        super().__setitem__(key, value)
+        self.move_to_end(key)
+        if len(self) > _MAX_REMEMBERED:
+            self.popitem(last=False)
 
 
 class Speaker(NamedTuple):
@@ -64,8 +74,8 @@ class Decoder:
         """Private ports in the latest beacon, with their robots."""
         self._keys = {team: Key(text) for team, text in passwords.items()}
         self._other_key = None if password is None else Key(password)
-        self._robots: OrderedDict[int, Speaker] = OrderedDict()  # of all ports that were ever listed
-        self._speakers: OrderedDict[Tuple[str, int], Speaker] = OrderedDict()  # by address and port
+        self._robots = NewestEntries()  # of all ports that were ever listed
+        self._speakers = NewestEntries()  # by address and port
 
     def concerns(self, datagram: Datagram) -> bool:
         """Whether the ports of a datagram are those of a channel."""
@@ -102,7 +112,7 @@ class Decoder:
             for robot in beacon.benchmarking_teams if 0 < robot.rsbb_port < 65536
         }
         for port, robot in self.listed.items():
-            _remember(self._robots, port, robot)
+            self._robots[port] = robot
 
     # -- private --------------------------------------------------------------------------------------
 
@@ -147,7 +157,7 @@ class Decoder:
     # -- entries --------------------------------------------------------------------------------------
 
     def _message(self, datagram: Datagram, private: bool, speaker: Speaker, message: Any) -> HeardDatagram:
-        _remember(self._speakers, (datagram.src, datagram.dport), speaker)
+        self._speakers[datagram.src, datagram.dport] = speaker
         return HeardDatagram(datagram, DatagramKind.MESSAGE, private, speaker, self._team(datagram, speaker), message)
 
     def _error(self, datagram: Datagram, private: bool, speaker: Optional[Speaker], bad: BadDatagram) -> HeardDatagram:
@@ -171,11 +181,3 @@ class Decoder:
             if speaker is not None:
                 return speaker
         return None
-
-
-def _remember(where: "OrderedDict[Any, Speaker]", key: Any, speaker: Speaker) -> None:
-    """Remember the latest entries only, because names and addresses can be forged."""
-    where[key] = speaker
-    where.move_to_end(key)
-    if len(where) > _MAX_REMEMBERED:
-        where.popitem(last=False)

@@ -13,7 +13,7 @@ import socket
 import struct
 import sys
 import time
-from typing import Callable, Dict, List, NamedTuple, Optional, Set, Union
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple, Union
 
 from roah_rsbb.capture.decoding import Decoder
 from roah_rsbb.capture.recording import Datagram
@@ -134,34 +134,24 @@ _SO_ATTACH_FILTER = 26
 _ONLY_UDP = ((0x30, 0, 0, 9), (0x15, 0, 1, socket.IPPROTO_UDP), (0x06, 0, 0, _LARGEST_PACKET), (0x06, 0, 0, 0))
 
 
-class RawListener:
-    """Hears all datagrams of the channels on the loopback and on the network's interface."""
+class DatagramListener:
+    """Reads from sockets what may be datagrams of the channels."""
 
-    def __init__(self, decoder: Decoder, rsbb_host: str, notice: Callable[[str], None]) -> None:
-        """Raises PermissionError without the right, or OpenError, whose text names the remedy."""
+    what = ""
+    """A description of what is heard."""
+
+    def __init__(self, decoder: Decoder, notice: Callable[[str], None]) -> None:
         self.sockets: List[socket.socket] = []
         """The sockets to wait for."""
         self._decoder = decoder
         self._notice = notice
-        self._interfaces = interfaces_to(rsbb_host)
-        try:
-            for interface in self._interfaces:
-                self.sockets.append(_raw_socket(interface))
-        except OSError:
-            self.close()
-            raise
-
-    @property
-    def what(self) -> str:
-        """A description of what is heard."""
-        return f"UDP {self._decoder.rsbb_port} and private channels, all datagrams on {' and '.join(self._interfaces)}"
 
     def read(self, endpoint: socket.socket) -> List[Datagram]:
         """Read the available datagrams."""
         heard = []
         for _ in range(_MAX_READS_PER_WAKE_UP):
             try:
-                packet, (interface, protocol, kind, *_) = endpoint.recvfrom(_LARGEST_PACKET)
+                received, sender = endpoint.recvfrom(_LARGEST_PACKET)
             except (BlockingIOError, InterruptedError):
                 break
             except OSError as error:
@@ -169,24 +159,49 @@ class RawListener:
                     self._notice("a network interface is down")
                     break
                 raise
-            # The loopback delivers each packet twice, outgoing and incoming.
-            if protocol != _ETH_P_IP or (kind == _PACKET_OUTGOING and interface == LOOPBACK):
-                continue
-            datagram = parse_packet(packet, time.time())
-            if isinstance(datagram, Fragment):
-                self._report_fragment(datagram)
-            elif datagram is not None and self._decoder.concerns(datagram):
+            datagram = self._datagram(endpoint, received, sender)
+            if datagram is not None:
                 heard.append(datagram)
         return heard
 
     def follow(self) -> None:
-        """Called after decoding. A raw listener need not open anything."""
+        """Called after decoding: open the ports of channels that the box lists now, and close the others."""
 
     def close(self) -> None:
         """Stop listening."""
         for endpoint in self.sockets:
             endpoint.close()
-        self.sockets = []
+
+    def _datagram(self, endpoint: socket.socket, received: bytes, sender: Tuple[Any, ...]) -> Optional[Datagram]:
+        """Return the datagram in what was received, if it concerns the channels."""
+        raise NotImplementedError
+
+
+class RawListener(DatagramListener):
+    """Hears all datagrams of the channels on the loopback and on the network's interface."""
+
+    def __init__(self, decoder: Decoder, rsbb_host: str, notice: Callable[[str], None]) -> None:
+        """Raises PermissionError without the right, or OpenError, whose text names the remedy."""
+        super().__init__(decoder, notice)
+        interfaces = interfaces_to(rsbb_host)
+        self.what = f"UDP {decoder.rsbb_port} and private channels, all datagrams on {' and '.join(interfaces)}"
+        try:
+            for interface in interfaces:
+                self.sockets.append(_raw_socket(interface))
+        except OSError:
+            self.close()
+            raise
+
+    def _datagram(self, endpoint: socket.socket, received: bytes, sender: Tuple[Any, ...]) -> Optional[Datagram]:
+        interface, protocol, kind = sender[:3]
+        # The loopback delivers each packet twice, outgoing and incoming.
+        if protocol != _ETH_P_IP or (kind == _PACKET_OUTGOING and interface == LOOPBACK):
+            return None
+        datagram = parse_packet(received, time.time())
+        if isinstance(datagram, Fragment):
+            self._report_fragment(datagram)
+            return None
+        return datagram if datagram is not None and self._decoder.concerns(datagram) else None
 
     def _report_fragment(self, fragment: Fragment) -> None:
         if fragment.dport == self._decoder.rsbb_port or fragment.dport in self._decoder.listed:
@@ -209,7 +224,7 @@ def _raw_socket(interface: str) -> socket.socket:
     return endpoint
 
 
-class PlainListener:
+class PlainListener(DatagramListener):
     """Hears broadcasts on the public channel and, if no other program here needs the ports, on private ones.
 
     Only one program can bind a private port. If this program bound it, a robot or box on this machine could not open
@@ -218,38 +233,19 @@ class PlainListener:
 
     def __init__(self, decoder: Decoder, rsbb_host: str, notice: Callable[[str], None]) -> None:
         """Raises OpenError, whose text names the remedy."""
-        self._decoder = decoder
+        super().__init__(decoder, notice)
         self._host = broadcast_address(rsbb_host)
-        self._notice = notice
-        self._public = sockets.listen(self._host, decoder.rsbb_port, shared=True)
+        self.what = f"UDP {decoder.rsbb_port}, broadcasts to {self._host} only"
         self._private: Dict[int, socket.socket] = {}
+        self.sockets = [sockets.listen(self._host, decoder.rsbb_port, shared=True)]
 
-    @property
-    def what(self) -> str:
-        """A description of what is heard."""
-        return f"UDP {self._decoder.rsbb_port}, broadcasts to {self._host} only"
-
-    @property
-    def sockets(self) -> List[socket.socket]:
-        """The sockets to wait for."""
-        return [self._public, *self._private.values()]
-
-    def read(self, endpoint: socket.socket) -> List[Datagram]:
-        """Read the available datagrams."""
-        heard = []
-        port = endpoint.getsockname()[1]
-        for _ in range(_MAX_READS_PER_WAKE_UP):
-            try:
-                data, (src, sport) = endpoint.recvfrom(_LARGEST_PACKET)
-            except (BlockingIOError, InterruptedError):
-                break
-            heard.append(Datagram(time.time(), src, sport, self._host, port, data))
-        return heard
+    def _datagram(self, endpoint: socket.socket, received: bytes, sender: Tuple[Any, ...]) -> Optional[Datagram]:
+        return Datagram(time.time(), *sender, self._host, endpoint.getsockname()[1], received)
 
     def follow(self) -> None:
-        """Called after decoding: open the ports that the box lists now, close the others."""
+        """See `DatagramListener`."""
         wanted = set(self._decoder.listed)
-        if wanted and others_use(self._decoder.rsbb_port, [self._public]):
+        if wanted and others_use(self._decoder.rsbb_port, self.sockets[:1]):
             self._notice("private channels are not heard: a box or robot on this machine may need their ports")
             wanted = set()
         for port in set(self._private) - wanted:
@@ -259,9 +255,4 @@ class PlainListener:
                 self._private[port] = sockets.listen(self._host, port, shared=True)
             except OSError as error:
                 self._notice(f"private channel {port} is not heard: {error}")
-
-    def close(self) -> None:
-        """Stop listening."""
-        for endpoint in self.sockets:
-            endpoint.close()
-        self._private = {}
+        self.sockets[1:] = self._private.values()

@@ -3,13 +3,12 @@
 import json
 import math
 import time
-from collections import OrderedDict
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, Optional
 
 from google.protobuf.descriptor import FieldDescriptor
 from google.protobuf.message import Message
 
-from roah_rsbb.capture.decoding import BOX, TABLET, DatagramKind, HeardDatagram
+from roah_rsbb.capture.decoding import BOX, TABLET, DatagramKind, HeardDatagram, NewestEntries
 from roah_rsbb.capture.recording import LAST_SECOND
 from roah_rsbb.comm.complaints import likely_cause
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -33,7 +32,6 @@ def _field_value(field: FieldDescriptor, value: Any) -> Any:
 
 # -- filter -----------------------------------------------------------------------------------------
 
-_MAX_REMEMBERED = 1000  # senders whose latest message is remembered
 _TIMES = ("time", "acknowledgement")  # fields that differ in every message
 
 
@@ -47,7 +45,7 @@ class DatagramFilter:
         self._message = message
         self._errors_only = errors_only
         self._changes_only = changes_only
-        self._last: OrderedDict[Tuple[Any, ...], bytes] = OrderedDict()
+        self._last = NewestEntries()  # contents by sender, port and type
 
     def passes(self, entry: HeardDatagram) -> bool:
         """Whether to show a datagram. Call it once for each one, in order."""
@@ -82,9 +80,6 @@ class DatagramFilter:
         if self._last.get(key) == content:
             return False
         self._last[key] = content
-        self._last.move_to_end(key)
-        if len(self._last) > _MAX_REMEMBERED:
-            self._last.popitem(last=False)
         return True
 
 

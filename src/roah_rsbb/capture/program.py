@@ -9,12 +9,12 @@ import signal
 import sys
 import time
 from collections import Counter
-from typing import Callable, Dict, Iterator, List, Optional, Set, TextIO, Union
+from typing import Callable, Dict, Iterator, List, Optional, Set, TextIO
 
-from roah_rsbb.arguments import Parser, called, number
+from roah_rsbb.arguments import Parser, add_password, called, number, public_port
 from roah_rsbb.capture import recording
 from roah_rsbb.capture.decoding import DatagramKind, Decoder, HeardDatagram
-from roah_rsbb.capture.listening import PlainListener, RawListener
+from roah_rsbb.capture.listening import DatagramListener, PlainListener, RawListener
 from roah_rsbb.capture.output import DatagramFilter, TextLines, json_line
 from roah_rsbb.capture.recording import Datagram
 from roah_rsbb.comm import sockets
@@ -58,19 +58,13 @@ examples
 """
 
 
-def _port(text: str) -> int:
-    if not text.isdecimal() or not 1 <= int(text) <= 65535:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a UDP port (1 to 65535)")
-    return int(text)
-
-
 def parse_options(arguments: Optional[List[str]]) -> argparse.Namespace:
     """Parse the arguments; ends the program with an error message if they are invalid."""
     parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG)
     source = parser.add_argument_group("source")
     source.add_argument("--host", default="10.255.255.255",
                         help="the network's broadcast address, like the box's rsbb_host (default: %(default)s)")
-    source.add_argument("--port", type=_port, default=6666, help="public UDP port (default: %(default)s)")
+    source.add_argument("--port", type=public_port, default=6666, help="public UDP port (default: %(default)s)")
     source.add_argument("--plain", action="store_true", help="hear broadcasts only, even as root")
     source.add_argument("--duration", type=number(0, 1e9), metavar="S", help="end after this many seconds")
     keep = source.add_mutually_exclusive_group()
@@ -78,9 +72,7 @@ def parse_options(arguments: Optional[List[str]]) -> argparse.Namespace:
     keep.add_argument("--read", metavar="FILE", help="show a recording instead of listening")
     secrets = parser.add_argument_group("passwords for private channels")
     secrets.add_argument("--passwords", metavar="FILE", help="a file with a line 'team: password' for each team")
-    password = secrets.add_mutually_exclusive_group()
-    password.add_argument("--password-file", metavar="FILE", help="a file whose first line is a team's password")
-    password.add_argument("--password", help="a team's password, for tests")
+    add_password(secrets)
     show = parser.add_argument_group("selection")
     show.add_argument("--team", metavar="NAME", help="only this team's robots, and beacons that list one")
     show.add_argument("--message", choices=MESSAGES, metavar="TYPE", help="only: " + ", ".join(MESSAGES))
@@ -92,8 +84,6 @@ def parse_options(arguments: Optional[List[str]]) -> argparse.Namespace:
 
 # Some notices depend on the network's content, which can be forged.
 _MAX_NOTICES = 100
-
-Listener = Union[RawListener, PlainListener]
 
 
 class _Screen:
@@ -143,7 +133,7 @@ def _decoder(options: argparse.Namespace, rsbb_port: int) -> Decoder:
     return Decoder(rsbb_port, passwords, password)
 
 
-def _listener(options: argparse.Namespace, decoder: Decoder, screen: _Screen) -> Listener:
+def _listener(options: argparse.Namespace, decoder: Decoder, screen: _Screen) -> DatagramListener:
     """Open the best listener that this user may use. Raises OSError whose text names the remedy."""
     host = sockets.resolve(options.host, "--host")
     if not options.plain:
@@ -155,7 +145,7 @@ def _listener(options: argparse.Namespace, decoder: Decoder, screen: _Screen) ->
     return PlainListener(decoder, host, screen.notice)
 
 
-def _heard(listener: Listener, duration: Optional[float]) -> Iterator[Datagram]:
+def _heard(listener: DatagramListener, duration: Optional[float]) -> Iterator[Datagram]:
     """Yield datagrams as they arrive, for `duration` seconds or forever."""
     end_mono = None if duration is None else time.monotonic() + duration
     while True:

@@ -8,6 +8,7 @@ PNG here, with the standard library only.
 
 import math
 import os
+import re
 import stat
 import struct
 import zlib
@@ -22,6 +23,8 @@ OCCUPIED = 0.65
 MAX_SIDE = 8192
 _LARGEST_PGM_VALUE = 65535
 _PLAIN, _RAW = b"P2", b"P5"
+# Width, height and highest value. Comments reach from # to the end of line.
+_HEADER = re.compile(3 * rb"(?:\s|#[^\r\n]*[\r\n])*(\d{1,10})(?!\d)")
 _GREY, _EIGHT_BITS = 0, 8
 
 
@@ -41,7 +44,11 @@ def read_pgm(data: bytes) -> Grey:
     """Read a PGM file, plain (P2) or raw (P5), of up to 16 bits; `BadImage` for anything else."""
     if data[:2] not in (_PLAIN, _RAW):
         raise BadImage("it is not a PGM file (P2 or P5)")
-    (width, height, highest), body = _pgm_header(data)
+    header = _HEADER.match(data, 2)
+    if header is None:
+        raise BadImage("its header (width, height, highest value) is invalid")
+    width, height, highest = map(int, header.groups())
+    body = header.end() + 1  # one white space ends the header
     check_size(width, height)
     if not 1 <= highest <= _LARGEST_PGM_VALUE:
         raise BadImage(f"its highest value is {highest}, but must be 1 to {_LARGEST_PGM_VALUE}")
@@ -52,29 +59,6 @@ def read_pgm(data: bytes) -> Grey:
     if highest == 255:
         return Grey(width, height, bytes(min(value, 255) for value in values) if data[:2] == _PLAIN else bytes(values))
     return Grey(width, height, bytes(min(value, highest) * 255 // highest for value in values))
-
-
-def _pgm_header(data: bytes) -> Tuple[Tuple[int, int, int], int]:
-    """Width, height and highest value, and the position of the first pixel.
-
-    Comments reach from # to the end of line.
-    """
-    numbers: List[int] = []
-    at = 2
-    while len(numbers) < 3:
-        while data[at:at + 1].isspace():
-            at += 1
-        if data[at:at + 1] == b"#":
-            while at < len(data) and data[at:at + 1] not in (b"\n", b"\r"):
-                at += 1
-            continue
-        start = at
-        while data[at:at + 1].isdigit() and at - start < 10:
-            at += 1
-        if start == at:
-            raise BadImage("its header (width, height, highest value) is invalid")
-        numbers.append(int(data[start:at]))
-    return (numbers[0], numbers[1], numbers[2]), at + 1  # one white space ends the header
 
 
 def _raw_pixels(data: bytes, body: int, count: int, highest: int):

@@ -8,12 +8,12 @@ from fuzzing.frames import private_seeds, public_seeds
 from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
 from helpers import golden
+from helpers.box_beacon import box_beacon
 from roah_rsbb.capture import listening, recording
 from roah_rsbb.capture.decoding import Decoder
 from roah_rsbb.capture.output import TextLines, json_line
 from roah_rsbb.capture.recording import BadRecording, Datagram
 from roah_rsbb.comm.frame import encode
-from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 _PORT = 6666
 _UTC = 1_800_000_000.5
@@ -23,15 +23,7 @@ _MOST = 20  # datagrams of a recording
 def _decoder() -> Decoder:
     """One that has heard of a robot on the first private port."""
     decoder = Decoder(_PORT, {"Team": golden.PASSWORD})
-    beacon = pb.RoahRsbbBeacon()
-    never = pb.Time(sec=0, nsec=0)
-    for field in ("devices_bell", "tablet_call_time", "tablet_position_time"):
-        getattr(beacon, field).CopyFrom(never)
-    for field in ("devices_switch_1", "devices_switch_2", "devices_switch_3", "tablet_display_map"):
-        setattr(beacon, field, False)
-    beacon.devices_dimmer = beacon.devices_blinds = 0
-    beacon.tablet_position_x = beacon.tablet_position_y = 0.0
-    beacon.benchmarking_teams.add(team_name="Team", robot_name="r", rsbb_port=_PORT + 1)
+    beacon = box_beacon(("Team", "r", _PORT + 1))
     decoder.decode(Datagram(_UTC, "10.0.0.1", _PORT, "10.0.0.255", _PORT, encode(beacon)))
     return decoder
 

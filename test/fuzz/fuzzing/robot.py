@@ -4,6 +4,7 @@ from typing import Iterator, List
 
 from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
+from helpers.box_beacon import box_beacon
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.robot.goals import BadGoal, read_goal
 from roah_rsbb.robot.machine import IllegalEvent
@@ -33,14 +34,7 @@ class Play:
                 message.SerializeToString()
 
     def _beacon(self, port: int, sender) -> None:
-        never = pb.Time(sec=0, nsec=0)
-        beacon = pb.RoahRsbbBeacon(
-            devices_bell=never, devices_switch_1=False, devices_switch_2=False, devices_switch_3=False,
-            devices_dimmer=0, devices_blinds=0, tablet_display_map=False, tablet_call_time=never,
-            tablet_position_time=never, tablet_position_x=0.0, tablet_position_y=0.0,
-        )
-        beacon.benchmarking_teams.add(team_name="Team", robot_name="Robot", rsbb_port=port)
-        self.session.public_message(self.now, beacon, sender)
+        self.session.public_message(self.now, box_beacon(("Team", "Robot", port)), sender)
 
     def steps(self) -> Iterator[Step]:
         """Pass the messages to the robot one by one, and check its effects."""

@@ -2,6 +2,7 @@
 
 import pytest
 
+from helpers.box_beacon import NEVER, box_beacon
 from helpers.small_box import PASSWORD
 from roah_rsbb.capture.decoding import BOX, PRIVATE_PORTS, TABLET, DatagramKind, Decoder, Speaker
 from roah_rsbb.capture.output import DatagramFilter
@@ -11,7 +12,6 @@ from roah_rsbb.comm.frame import FrameFault, encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 PORT = 6666
-NEVER = pb.Time(sec=0, nsec=0)
 KEPT = 1000  # of what is learned, the newest
 
 
@@ -28,18 +28,6 @@ def datagram(message, src="10.0.0.2", port=PORT, password=None):
 
 def robot_beacon(name="Robot", team="Team", sec=0):
     return pb.RobotBeacon(team_name=team, robot_name=name, time=pb.Time(sec=sec, nsec=0))
-
-
-def box_beacon(*listed):
-    """A beacon that lists robots: (team, robot, port)."""
-    beacon = pb.RoahRsbbBeacon(
-        devices_bell=NEVER, devices_switch_1=False, devices_switch_2=False, devices_switch_3=False, devices_dimmer=0,
-        devices_blinds=0, tablet_display_map=False, tablet_call_time=NEVER, tablet_position_time=NEVER,
-        tablet_position_x=0, tablet_position_y=0,
-    )
-    for team, name, port in listed:
-        beacon.benchmarking_teams.add(team_name=team, robot_name=name, rsbb_port=port)
-    return beacon
 
 
 def state(sec=0, robot_state=0):

@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from helpers.box_beacon import NEVER, box_beacon
 from roah_rsbb.capture.decoding import Decoder
 from roah_rsbb.capture.output import TextLines, json_line
 from roah_rsbb.capture.recording import Datagram
@@ -43,28 +44,16 @@ def test_a_port_that_is_not_the_channels_is_shown_and_has_room():
     assert lines.line(entry_of(robot())).index("Team/Robot") == strange.index("Team/Robot")
 
 
-def box(team, name):
-    """A beacon of the box that lists a robot."""
-    never = pb.Time(sec=0, nsec=0)
-    beacon = pb.RoahRsbbBeacon(
-        devices_bell=never, devices_switch_1=False, devices_switch_2=False, devices_switch_3=False, devices_dimmer=0,
-        devices_blinds=0, tablet_display_map=False, tablet_call_time=never, tablet_position_time=never,
-        tablet_position_x=0, tablet_position_y=0,
-    )
-    beacon.benchmarking_teams.add(team_name=team, robot_name=name, rsbb_port=PORT + 1)
-    return beacon
-
-
 @pytest.mark.parametrize("bad", ["\x1b[31mred", "two\nlines", "\r", "\x07", "\u202etfel", "\x9b2J", "\u2028", "\x00"])
 def test_a_name_cannot_command_the_terminal(bad):
-    for message in (robot(bad, bad), box(bad, bad)):
+    for message in (robot(bad, bad), box_beacon((bad, bad, PORT + 1))):
         entry = entry_of(message)
         assert TextLines().line(entry).isprintable()
         in_json = json_line(entry)
         assert in_json.isprintable() and all(c < "\x7f" for c in in_json)
     assert json.loads(json_line(entry_of(robot(bad, bad))))["team"] == bad
     decoder = Decoder(PORT, {})
-    datagram = entry_of(box(bad, bad)).datagram
+    datagram = entry_of(box_beacon((bad, bad, PORT + 1))).datagram
     decoder.decode(datagram)
     encrypted = encode(pb.BenchmarkState(benchmark_type="HWV", benchmark_state=0), Cipher.AES_128_CBC, Key("x"))
     entry = decoder.decode(datagram._replace(sport=PORT + 1, dport=PORT + 1, data=encrypted))
@@ -102,8 +91,7 @@ def test_a_skew_is_exact_to_the_microsecond():
 
 
 def test_places_that_are_not_numbers_are_strict_json():
-    never = pb.Time(sec=0, nsec=0)
-    entry = entry_of(pb.TabletBeacon(last_call=never, last_pos=never, x=float("nan"), y=float("-inf")))
+    entry = entry_of(pb.TabletBeacon(last_call=NEVER, last_pos=NEVER, x=float("nan"), y=float("-inf")))
     fields = json.loads(json_line(entry), parse_constant=pytest.fail)["fields"]
     assert (fields["x"], fields["y"]) == ("nan", "-inf")
     assert "x=nan y=-inf" in TextLines().line(entry)

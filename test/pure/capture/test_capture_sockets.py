@@ -7,6 +7,7 @@ import socket
 import pytest
 
 from helpers import slots
+from helpers.box_beacon import box_beacon
 from helpers.small_box import BOX, BROADCAST, PASSWORD, ROBOT, free_ports
 from roah_rsbb.capture.decoding import DatagramKind, Decoder, Speaker
 from roah_rsbb.capture.listening import PlainListener, RawListener
@@ -15,23 +16,15 @@ from roah_rsbb.comm.frame import encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 TIMEOUT_S = 10
-NEVER = pb.Time(sec=0, nsec=0)
 BEACON = pb.RobotBeacon(team_name="Team", robot_name="Robot", time=pb.Time(sec=1, nsec=2))
 STATE = encode(
     pb.BenchmarkState(benchmark_type="HWV", benchmark_state=pb.BenchmarkState.STOP), Cipher.AES_128_CBC, Key(PASSWORD)
 )
 
 
-def box_beacon(*ports):
-    """A box's beacon that lists a robot on each port."""
-    beacon = pb.RoahRsbbBeacon(
-        devices_bell=NEVER, devices_switch_1=False, devices_switch_2=False, devices_switch_3=False, devices_dimmer=0,
-        devices_blinds=0, tablet_display_map=False, tablet_call_time=NEVER, tablet_position_time=NEVER,
-        tablet_position_x=0, tablet_position_y=0,
-    )
-    for port in ports:
-        beacon.benchmarking_teams.add(team_name="Team", robot_name="Robot", rsbb_port=port)
-    return encode(beacon)
+def listing(*ports):
+    """The datagram of a box that lists a robot on each port."""
+    return encode(box_beacon(*(("Team", "Robot", port) for port in ports)))
 
 
 def participant(host, port=0):
@@ -74,12 +67,12 @@ def test_a_box_that_broadcasts_is_heard_on_private_ports_while_it_lists_them():
     port, notices = free_ports(), []
     decoder = Decoder(port, {"Team": PASSWORD})
     with contextlib.closing(PlainListener(decoder, BROADCAST, notices.append)) as listener, participant(BOX) as box:
-        box.sendto(box_beacon(port + 1, port + 2), (BROADCAST, port))
+        box.sendto(listing(port + 1, port + 2), (BROADCAST, port))
         hear(listener, decoder, 1)
         assert len(listener.sockets) == 3
         box.sendto(STATE, (BROADCAST, port + 2))
         assert hear(listener, decoder, 1)[0].message.benchmark_type == "HWV"
-        box.sendto(box_beacon(port + 2), (BROADCAST, port))
+        box.sendto(listing(port + 2), (BROADCAST, port))
         hear(listener, decoder, 1)
         assert {one.getsockname()[1] for one in listener.sockets} == {port, port + 2}
     assert not notices and listener.sockets[0].fileno() == -1
@@ -90,7 +83,7 @@ def test_private_ports_are_left_to_a_robot_on_this_machine():
     decoder = Decoder(port, {})
     with contextlib.closing(PlainListener(decoder, BROADCAST, notices.append)) as listener, \
             participant(ROBOT, port), participant(BOX) as box:
-        box.sendto(box_beacon(port + 1), (BROADCAST, port))
+        box.sendto(listing(port + 1), (BROADCAST, port))
         hear(listener, decoder, 1)
         assert len(listener.sockets) == 1
     assert [notice.split(":")[0] for notice in notices] == ["private channels are not heard"]
@@ -101,7 +94,7 @@ def test_a_private_port_that_cannot_be_opened_is_reported():
     decoder = Decoder(port, {})
     with contextlib.closing(PlainListener(decoder, BROADCAST, notices.append)) as listener, \
             participant(BROADCAST, port + 1), participant(BOX) as box:
-        box.sendto(box_beacon(port + 1), (BROADCAST, port))
+        box.sendto(listing(port + 1), (BROADCAST, port))
         hear(listener, decoder, 1)
     assert notices[0].startswith(f"private channel {port + 1} is not heard: cannot open UDP")
 
@@ -132,7 +125,7 @@ def test_with_roots_rights_every_datagram_of_the_channels_is_heard_once(raw):
         entries = hear(listener, decoder, 2)
         stranger.sendto(b"nothing to us", (ROBOT, private_port))
         private.recv(100)
-        box.sendto(box_beacon(private_port), (BROADCAST, port))
+        box.sendto(listing(private_port), (BROADCAST, port))
         entries += hear(listener, decoder, 1)
         stranger.sendto(STATE, (ROBOT, private_port))
         entries += hear(listener, decoder, 1)

@@ -1,5 +1,6 @@
 """A robot's session on a test bench: simulated time, a box's messages, and the session's effects."""
 
+from helpers.box_beacon import box_beacon
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
@@ -62,20 +63,8 @@ class Bench:
 
     def beacon(self, port=PORT, host=BOX, **fields):
         """The box's beacon; it lists the robot with `port`, or not at all for None."""
-        listed = [
-            pb.BenchmarkingTeam(team_name=TEAM, robot_name=ROBOT, rsbb_port=number)
-            for number in (port,) if number is not None
-        ]
-        other = pb.BenchmarkingTeam(team_name="X", robot_name=ROBOT, rsbb_port=7000)
-        never = pb.Time(sec=0, nsec=0)
-        values = {
-            "benchmarking_teams": [other, *listed],
-            "devices_bell": never, "devices_switch_1": False, "devices_switch_2": False,
-            "devices_switch_3": False, "devices_dimmer": 0, "devices_blinds": 0,
-            "devices_door_win_detect": False, "tablet_display_map": False, "tablet_call_time": never,
-            "tablet_position_time": never, "tablet_position_x": 0.0, "tablet_position_y": 0.0, **fields,
-        }
-        self.session.public_message(self.now, pb.RoahRsbbBeacon(**values), (host, 6666))
+        listed = [("X", ROBOT, 7000), *((TEAM, ROBOT, number) for number in (port,) if number is not None)]
+        self.session.public_message(self.now, box_beacon(*listed, **fields), (host, 6666))
         self.poll()
 
     def box_says(self, state, code="HGTKMH", host=BOX, acknowledge=None, **fields):

@@ -7,6 +7,7 @@ from collections import defaultdict
 from typing import Iterator
 
 from helpers import slots
+from helpers.box_beacon import box_beacon
 from helpers.waiting import News
 from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Key
@@ -118,17 +119,8 @@ class SmallBox:
             await asyncio.sleep(TICK_S)
 
     def _beacon(self):
-        never = pb.Time(sec=0, nsec=0)
-        values = {
-            "devices_bell": never, "devices_switch_1": False, "devices_switch_2": False,
-            "devices_switch_3": False, "devices_dimmer": 0, "devices_blinds": 0, "tablet_display_map": False,
-            "devices_door_win_detect": False, "tablet_call_time": never, "tablet_position_time": never,
-            "tablet_position_x": 0.0, "tablet_position_y": 0.0, **self.beacon_fields,
-        }
-        beacon = pb.RoahRsbbBeacon(**values)
-        if self.listed:
-            beacon.benchmarking_teams.add(team_name=TEAM, robot_name=NAME, rsbb_port=self.private_port)
-        return beacon
+        listed = [(TEAM, NAME, self.private_port)] if self.listed else []
+        return box_beacon(*listed, **self.beacon_fields)
 
     def _send_state(self):
         if self.listed:

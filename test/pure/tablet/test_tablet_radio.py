@@ -11,6 +11,7 @@ import sys
 import pytest
 
 import roah_rsbb
+from helpers.box_beacon import box_beacon
 from helpers.small_box import free_ports
 from roah_rsbb.comm.channels import PublicChannel
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -36,11 +37,9 @@ class OneBox:
     def beacon(self):
         never = pb.Time(sec=0, nsec=0)
         last = self.heard[-1] if self.heard else pb.TabletBeacon(last_call=never, last_pos=never, x=0.0, y=0.0)
-        self.channel.send(pb.RoahRsbbBeacon(
-            devices_bell=never, devices_switch_1=False, devices_switch_2=False, devices_switch_3=False,
-            devices_dimmer=0, devices_blinds=0, devices_door_win_detect=False, tablet_display_map=self.display_map,
-            tablet_call_time=last.last_call, tablet_position_time=last.last_pos, tablet_position_x=last.x,
-            tablet_position_y=last.y,
+        self.channel.send(box_beacon(
+            tablet_display_map=self.display_map, tablet_call_time=last.last_call, tablet_position_time=last.last_pos,
+            tablet_position_x=last.x, tablet_position_y=last.y,
         ))
 
     def _hear(self, message, _sender):

@@ -11,9 +11,10 @@ import rospy
 from rosgraph_msgs.msg import Log
 from support.box_case import CORE, BoxCase
 from support.connections import wait_sends
-from support.robots import BOX, PASSWORDS, RSBB_PORT, empty_beacon, host_of, wire
+from support.robots import BOX, PASSWORDS, RSBB_PORT, host_of, wire
 from support.waiting import happened, wait_until
 
+from helpers.box_beacon import box_beacon
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -87,7 +88,7 @@ class TestAttacks(BoxCase):
         # A robot that is in a run is known by what it says there.
         self.reported("Two robots call themselves Robot of team Epsilon", lambda: attacker.send(
             RSBB_PORT, pb.RobotBeacon(team_name="Epsilon", robot_name="Robot", time=wire(time.time() + 9.0))))
-        attacker.send(RSBB_PORT, empty_beacon())
+        attacker.send(RSBB_PORT, box_beacon())
         self.reported(f"ANOTHER RSBB is transmitting from {ATTACKER}")
         attacker.send(port, pb.BenchmarkState(benchmark_type="HGTKMH", benchmark_state=0), team="Epsilon")
 

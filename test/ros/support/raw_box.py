@@ -3,11 +3,12 @@
 import time
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
+from helpers.box_beacon import box_beacon
 from roah_rsbb.comm.channels import PrivateChannel
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
-from support.robots import BOX, BROADCAST, PASSWORDS, Network, PublicParticipant, empty_beacon
+from support.robots import BOX, BROADCAST, PASSWORDS, Network, PublicParticipant
 from support.waiting import happened, wait_until
 
 
@@ -31,7 +32,7 @@ class RawBox:
         self._public = PublicParticipant(network, host)
         self._private: Optional[PrivateChannel] = None
         self._robot_host: Optional[str] = None
-        self.beacon_message = empty_beacon()
+        self.beacon_message = box_beacon()
 
     def close(self) -> None:
         """Close the sockets without a last message."""

@@ -214,16 +214,6 @@ def listed(beacon: pb.RoahRsbbBeacon) -> List[Tuple[str, str, int]]:
     return [(robot.team_name, robot.robot_name, robot.rsbb_port) for robot in beacon.benchmarking_teams]
 
 
-def empty_beacon() -> pb.RoahRsbbBeacon:
-    """The beacon of another box, which runs nothing."""
-    never = pb.Time(sec=0, nsec=0)
-    return pb.RoahRsbbBeacon(
-        devices_bell=never, devices_switch_1=False, devices_switch_2=False, devices_switch_3=False, devices_dimmer=0,
-        devices_blinds=0, devices_door_win_detect=False, tablet_display_map=False, tablet_call_time=never,
-        tablet_position_time=never, tablet_position_x=0.0, tablet_position_y=0.0,
-    )
-
-
 def wire(utc: float) -> pb.Time:
     """A wire time."""
     sec, nsec = wire_time(utc)

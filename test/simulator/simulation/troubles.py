@@ -3,6 +3,7 @@
 import functools
 from typing import NamedTuple, Tuple
 
+from helpers.box_beacon import box_beacon
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.model.records import Phase
@@ -377,9 +378,4 @@ class Troubles:
                        world.box.computer.host)
 
     def _forged_box(self):
-        never = pb.Time(sec=0, nsec=0)
-        message = pb.RoahRsbbBeacon(
-            devices_bell=never, devices_switch_1=False, devices_switch_2=False, devices_switch_3=False,
-            devices_dimmer=0, devices_blinds=0, devices_door_win_detect=False, tablet_display_map=False,
-            tablet_call_time=never, tablet_position_time=never, tablet_position_x=0.0, tablet_position_y=0.0)
-        self._world.air.send(STRANGER, PUBLIC_PORT, encode(message), "10.255.255.255")
+        self._world.air.send(STRANGER, PUBLIC_PORT, encode(box_beacon()), "10.255.255.255")
