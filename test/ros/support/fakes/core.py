@@ -76,6 +76,7 @@ SCORING = (
 )
 ITEMS = tuple(ScoringItem(group, desc, ScoreKind(kind)) for group, items in SCORING for kind, desc in items)
 SCHEDULE_START = 1446364800  # 2015-11-01 08:00:00 UTC
+LATE_S = 720  # how late the next events are said to be
 # The first robot of each team. For each further zone, the team has another one.
 ROBOTS = {"TestingTeam": "mbot", "AnotherTeam": "amigo"}
 # In `FakeCore.calls`, instead of a value.
@@ -94,6 +95,8 @@ def _acted(zone: str, action: str, given: Any) -> tuple:
         return ("score", zone, given["group"], given["desc"],
                 NOT_ATTEMPTED if given.get("not_attempted") else
                 f"{int(given['added']):+d}" if given.get("added") else given["value"])
+    if action == "choose_event":
+        return action, zone, EVENTS[int(given["event"].rpartition("e")[2]) - 1][0], given.get("unsigned", False)
     if EVERY[action].is_open:
         others = {name: value for name, value in given.items() if name != "operation"}
         return action, zone, given["operation"], *(others.values() or [""])
@@ -264,6 +267,7 @@ class FakeCore:
         self.refuse: Optional[str] = None  # reason with which every service fails
         self.answer_gate = threading.Event()  # cleared: services do not answer
         self.answer_gate.set()
+        self.held = ""  # the only method that waits for the gate, such as "sign_off"; empty: all
         self.deaf = False  # the robots do not obey the box any more
         self._speaks = threading.Event()
         self.silent = silent
@@ -368,8 +372,10 @@ class FakeCore:
         if name in _CALLS:
             call = _CALLS[name](*arguments)
             self._hear(name, *arguments)
+            name = call[0] if name == "act" else name
             self.calls.append(call)
-            self.answer_gate.wait()
+            if self.held in ("", name):
+                self.answer_gate.wait()
             if self.refuse is not None:
                 raise Refused([self.refuse])
             if call[1] in self.zones and self.zones[call[1]].takes(*call):
@@ -457,8 +463,10 @@ class FakeCore:
         robots = {f"{robot} of team {team}": RobotSeen(team, robot, skew, silent_since)
                   for team, robot, skew in self.robots}
         tablet = TabletSeen(self.tablet_heard, None, True, round(now.utc) - 75, round(now.utc) - 12, 1.5, 3.25)
+        schedule = {key: event._replace(begins_utc_s=event.scheduled_utc_s + LATE_S)
+                    if event.state in ("next", "later") else event for key, event in document.schedule.items()}
         return document._replace(
-            box=document.box._replace(tablet=tablet, superseded_by=self.superseded_by), robots=robots,
+            box=document.box._replace(tablet=tablet, superseded_by=self.superseded_by), robots=robots, schedule=schedule,
             zones={name: self.zones[name].put_into(zone) for name, zone in document.zones.items()})
 
 
