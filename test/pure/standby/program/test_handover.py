@@ -208,8 +208,9 @@ def test_a_disk_that_gives_no_lock(box, monkeypatch):
 
     def hang(log_dir):
         thawed.wait()
-        taken.append(lock(log_dir))
-        return taken[0]
+        found = lock(log_dir)
+        taken.append(found)
+        return found
     monkeypatch.setattr("roah_rsbb.standby.program.handover.LOCK_S", 0.2)
     monkeypatch.setattr("roah_rsbb.standby.program.handover.files.lock", hang)
     box.has_lock = False
