@@ -466,7 +466,8 @@ class FakeCore:
         schedule = {key: event._replace(begins_utc_s=event.scheduled_utc_s + LATE_S)
                     if event.state in ("next", "later") else event for key, event in document.schedule.items()}
         return document._replace(
-            box=document.box._replace(tablet=tablet, superseded_by=self.superseded_by), robots=robots, schedule=schedule,
+            box=document.box._replace(tablet=tablet, superseded_by=self.superseded_by),
+            robots=robots, schedule=schedule,
             zones={name: self.zones[name].put_into(zone) for name, zone in document.zones.items()})
 
 
