@@ -90,7 +90,7 @@ class TestResults(ResultsCase):
         self.assertEqual([entry["value"] for entry in run["history"]], [1, 2])
         [part] = run["robot_parts"]
         self.assertEqual((part["port"], part["team"]), (port, "Alpha"))
-        self.assertTrue(os.path.isfile(part["log_file"]))
+        wait_until(lambda: os.path.isfile(part["log_file"]), "the bag is made, beside everything else")
         self.assertGreater(sum(sample["received"] for sample in part["link"]), 10)
         commands = [entry["value"]["command"] for entry in run["entries"] if entry["kind"] == "command"]
         self.assertEqual([c for c in commands if c in ("connect", "start", "stop", "disconnect", "sign_off")],
