@@ -138,6 +138,17 @@ class Stage:
         """The disk takes no writes."""
         self.storage.frozen_until = self.scheduler.now + seconds
 
+    def lose_core(self, takes_over=False):
+        """The core is killed and starts again, or the box is lost and its standby takes over. The disks are well then.
+        Returns some time later, with what the robot did since."""
+        self.box.kill(float("inf") if takes_over else 0.5, power=takes_over)
+        self.storage.frozen_until = self.storage.full_until = 0.0
+        self.states.clear()
+        if takes_over:
+            self.pass_time(4.0)
+            self.standby.take_over()
+        self.pass_time(10.0)
+
     @property
     def run(self):
         return self.box.core.box.zones["home"].run
@@ -347,13 +358,7 @@ def test_a_stop_after_a_start_that_waits_for_a_disk_that_hangs_is_known_to_the_n
     stage.do("stop", "Ben")
     stage.pass_time(after_s)
     assert set(stage.states[-1:]) == {RobotState.STOP}
-    stage.box.kill(float("inf") if takes_over else 0.5, power=takes_over)
-    stage.storage.frozen_until = 0.0
-    stage.states.clear()
-    if takes_over:
-        stage.pass_time(4.0)
-        stage.standby.take_over()
-    stage.pass_time(10.0)
+    stage.lose_core(takes_over)
     assert stage.states == [RobotState.STOP]
     record = stage.run.record(stage.box.core.now())
     assert record.end_reason == "stopped" and record.stops[-1].who == "Ben"
@@ -367,10 +372,7 @@ def test_a_start_that_waits_for_a_disk_that_hangs_does_not_undo_the_stop_before_
     stage.pass_time(0.5)
     stage.do("start")
     stage.pass_time(1.5)
-    stage.box.kill(0.5)
-    stage.storage.frozen_until = 0.0
-    stage.states.clear()
-    stage.pass_time(10.0)
+    stage.lose_core()
     assert stage.states == [RobotState.STOP]
     assert [end.who for end in stage.run.record(stage.box.core.now()).stops] == ["Anna"]
 
@@ -388,13 +390,7 @@ def test_a_run_that_was_started_again_is_not_ended_by_its_earlier_stop(stage, ta
     stage.do("start")
     stage.until(state)
     stage.pass_time(after_s)
-    stage.box.kill(float("inf") if takes_over else 0.5, power=takes_over)
-    stage.storage.full_until = 0.0
-    stage.states.clear()
-    if takes_over:
-        stage.pass_time(4.0)
-        stage.standby.take_over()
-    stage.pass_time(10.0)
+    stage.lose_core(takes_over)
     assert RobotState.STOP not in stage.states and stage.robot.state is RobotState.EXECUTING
 
 
