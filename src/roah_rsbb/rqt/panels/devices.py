@@ -1,6 +1,6 @@
 """Devices: the last known state of each home device, and controls to operate it (docs/referee.md, "Devices").
 
-With ROS, the devices have their own node: the panel then also works while the core is silent.
+It follows the topics below /devices, which another program than the box may have, too.
 """
 
 import time

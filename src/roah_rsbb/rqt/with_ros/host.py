@@ -23,7 +23,7 @@ SHUTDOWN = "roah_rsbb_shutdown"
 # A parameter in the client's namespace (launch/roah_rsbb_client.launch).
 ENDS_RSBB = "exit_ends_rsbb"
 STATE_TOPIC, STATUS_TOPIC = "/devices/state", "/devices/status"
-NO_NODE = tr_later("The devices node is not running. Was roah_rsbb.launch started with devices:=true?")
+NOT_THERE = tr_later("Nothing controls the home devices: the box is not running, or was started with devices:=false")
 
 
 class HostWithRos(WindowNode):
@@ -57,8 +57,8 @@ class ControllerStatus(NamedTuple):
 
 
 class DevicesNodeAfar:
-    """The home devices of the node roah_devices. They have their own node: the panel also works while the core is
-    silent. Call everything in the Qt thread."""
+    """The home devices of the node roah_devices: of the box, or with devices:=false of another program. Call everything
+    in the Qt thread."""
 
     def __init__(self) -> None:
         self.state: Optional[DevicesState] = None  # another object when it has changed; None: never heard
@@ -69,7 +69,7 @@ class DevicesNodeAfar:
     def why_missing(self) -> str:
         """Why nothing controls them now, for the referee; empty: something does. The topics are published on change
         only, so silence means nothing."""
-        return "" if self.state is not None and self._feed.has_publisher(STATE_TOPIC) else tr(NO_NODE)
+        return "" if self.state is not None and self._feed.has_publisher(STATE_TOPIC) else tr(NOT_THERE)
 
     def start(self) -> None:
         """Begin to follow them."""
