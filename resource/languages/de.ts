@@ -3293,8 +3293,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/with_ros/host.py"/>
-        <source>Nothing controls the home devices: the box is not running, or was started with devices:=false</source>
-        <translation>Nichts steuert die Geräte der Wohnung: Die Box läuft nicht, oder sie wurde mit devices:=false gestartet</translation>
+        <source>Nothing controls the home devices: the box is not running, or not with devices:=true</source>
+        <translation>Nichts steuert die Geräte der Wohnung: Die Box läuft nicht, oder nicht mit devices:=true</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/bmbox/framework/module.py"/>

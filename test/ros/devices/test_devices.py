@@ -4,6 +4,9 @@ import json
 import os
 import pathlib
 import subprocess
+import threading
+import unittest
+from unittest import mock
 
 import rosnode
 import rospy
@@ -18,6 +21,7 @@ from support.waiting import LIMIT_S, happened, wait_until
 
 from roah_rsbb.devices.devices import FILE
 from roah_rsbb.msg import DevicesState, DevicesStatus
+from roah_rsbb.nodes.core import devices
 from roah_rsbb.ros import refusals
 from roah_rsbb.srv import Bool, Percentage
 
@@ -125,6 +129,27 @@ class TestInterface(DevicesCase):
                 call(f"/devices/{device}/set", Percentage, 101)
         call("/devices/dimmer/max")
         self.wait_state(dimmer=100, blinds=0)
+
+
+class TestNode(unittest.TestCase):
+    def test_its_address_is_waited_for(self):
+        begun = []
+
+        class Late(devices.XmlRpcNode):
+            """A node whose thread begins when it is waited for, as on a busy computer."""
+
+            def start(self):
+                begun.append(threading.Timer(0.5, self.run))
+                begun[-1].daemon = True
+                begun[-1].start()
+
+        with mock.patch.object(devices, "XmlRpcNode", Late):
+            self.assertTrue(devices._show_node().startswith("http://"))
+
+    def test_without_a_port_it_says_so(self):
+        with mock.patch.object(devices, "SHOWN_S", 0.0), mock.patch.object(devices.XmlRpcNode, "start"), \
+                self.assertRaisesRegex(OSError, "no port for the node roah_devices"):
+            devices._show_node()
 
 
 class TestBell(DevicesCase):

@@ -284,7 +284,7 @@ class TestDevices(PanelCase):
         self.devices.leave()
         wait_until(lambda: "NO DEVICES" in self.panel.connection.text(), "it is gone")
         self.assertFalse(self.rows["switch_1"].commands[0].isEnabled())
-        self.assertIn("devices:=true", self.rows["switch_1"].commands[0].toolTip())
+        self.assertIn("not with devices:=true", self.rows["switch_1"].commands[0].toolTip())
         self.assertFalse(self.rows["dimmer"].slider.isEnabled())
         again = FakeDevices()
         self.addCleanup(again.close)

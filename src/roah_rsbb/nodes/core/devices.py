@@ -6,6 +6,7 @@ services. To shut it down alone is refused.
 
 import contextlib
 import os
+import threading
 from typing import Any, Callable, List, Tuple
 
 import rosgraph
@@ -25,6 +26,7 @@ from roah_rsbb.ros.times import ros_wire_time
 from roah_rsbb.srv import Bool, Percentage
 
 NODE = "/roah_devices"
+SHOWN_S = 20.0
 
 
 class DevicesInRos:
@@ -36,8 +38,7 @@ class DevicesInRos:
         self._bell = rospy.Publisher("/devices/bell", Empty, queue_size=10)
         self._status = rospy.Publisher("/devices/status", DevicesStatus, queue_size=10, latch=True)
         self._master = rosgraph.Master(NODE)
-        self._node = XmlRpcNode(0, _Shown())
-        self._node.start()
+        self._uri = _show_node()
         self._served: List[rospy.Service] = []
         for device in SWITCHES:
             self._serve_device(home, device, Bool, "on", "off")
@@ -75,12 +76,28 @@ class DevicesInRos:
             return kind._response_class()
 
         added = self._services.add(f"/devices/{name}", kind, handle)
-        self._master.registerService(added.resolved_name, added.uri, self._node.uri)
+        self._master.registerService(added.resolved_name, added.uri, self._uri)
         self._served.append(added)
+
+
+def _show_node() -> str:
+    """Serve what programs ask a node, and return its address. Raises `OSError` without one after `SHOWN_S`."""
+    shown = _Shown()
+    XmlRpcNode(0, shown).start()  # in a thread of its own, which makes the address
+    if not shown.is_ready.wait(SHOWN_S):
+        raise OSError("This computer opens no port for the node roah_devices")
+    return shown.uri
 
 
 class _Shown(XmlRpcHandler):
     """What programs such as rosnode ask a node."""
+
+    def __init__(self) -> None:
+        self.is_ready, self.uri = threading.Event(), ""
+
+    def _ready(self, uri: str) -> None:
+        self.uri = uri
+        self.is_ready.set()
 
     def getPid(self, _caller: str) -> Tuple[int, str, int]:
         """Return the process."""

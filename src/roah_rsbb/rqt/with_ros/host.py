@@ -23,7 +23,7 @@ SHUTDOWN = "roah_rsbb_shutdown"
 # A parameter in the client's namespace (launch/roah_rsbb_client.launch).
 ENDS_RSBB = "exit_ends_rsbb"
 STATE_TOPIC, STATUS_TOPIC = "/devices/state", "/devices/status"
-NOT_THERE = tr_later("Nothing controls the home devices: the box is not running, or was started with devices:=false")
+NOT_THERE = tr_later("Nothing controls the home devices: the box is not running, or not with devices:=true")
 
 
 class HostWithRos(WindowNode):
