@@ -16,11 +16,11 @@ from addresses import BOX_HOST, BROADCAST
 from fleet import Fleet
 from processes import ROOT, Box, Measured, wait
 
-from roah_rsbb.arguments import without_ros
 from roah_rsbb.box.program.supervisor import COPIES
 from roah_rsbb.copies.copy import CannotReadJournal
 from roah_rsbb.copies.segments import JournalSegments
 from roah_rsbb.copies.settings import CopySettings
+from roah_rsbb.ground.arguments import without_ros
 from roah_rsbb.journal import log
 from roah_rsbb.journal.contents import open_journal
 from roah_rsbb.journal.file import FILE_NAME

@@ -13,9 +13,9 @@ from load import ORIGINAL_PERIOD_S
 from processes import Box, wait
 from without_ros import BoxWithoutRos
 
+from roah_rsbb.ground.signs_of_life import began
 from roah_rsbb.journal.file import holder_of
 from roah_rsbb.protocol import BoxState
-from roah_rsbb.signs_of_life import began
 
 # After this time the box is considered dead.
 LIMIT_S = 30.0

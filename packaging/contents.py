@@ -8,11 +8,10 @@ from typing import Dict, Tuple
 CONTENTS: Dict[str, Tuple[str, ...]] = {
     # A robot without ROS.
     "robot": (
-        "roah_rsbb/__init__.py", "roah_rsbb/arguments.py", "roah_rsbb/comm/", "roah_rsbb/in_loop.py",
-        "roah_rsbb/log_lines.py", "roah_rsbb/params.py", "roah_rsbb/pb/", "roah_rsbb/platform.py",
-        "roah_rsbb/protocol.py", "roah_rsbb/replaced.py", "roah_rsbb/robot/", "roah_rsbb/rulebook/__init__.py",
-        "roah_rsbb/rulebook/registry.py", "roah_rsbb/tools/__init__.py", "roah_rsbb/tools/team.py", "docs/protocol.md",
-        "docs/robot_without_ros.md", "docs/team.md"),
+        "roah_rsbb/__init__.py", "roah_rsbb/comm/", "roah_rsbb/ground/", "roah_rsbb/pb/", "roah_rsbb/protocol.py",
+        "roah_rsbb/robot/", "roah_rsbb/rulebook/__init__.py", "roah_rsbb/rulebook/registry.py",
+        "roah_rsbb/tools/__init__.py", "roah_rsbb/tools/team.py", "docs/protocol.md", "docs/robot_without_ros.md",
+        "docs/team.md"),
     # A robot with ROS, and all that catkin generates.
     "comm": (
         "", "roah_rsbb/nodes/__init__.py", "roah_rsbb/nodes/team/", "roah_rsbb/ros/__init__.py",
@@ -22,21 +21,17 @@ CONTENTS: Dict[str, Tuple[str, ...]] = {
     "check": (
         "roah_rsbb/bmbox/", "roah_rsbb/capture/", "roah_rsbb/check/", "roah_rsbb/core/", "roah_rsbb/model/",
         "roah_rsbb/radio/", "roah_rsbb/results/__init__.py", "roah_rsbb/results/page.py", "roah_rsbb/rulebook/",
-        "roah_rsbb/shipped.py", "roah_rsbb/wording/", "config/benchmarks.yaml", "config/modules/",
-        "docs/check_robot.md"),
+        "roah_rsbb/scoring/", "roah_rsbb/wording/", "config/benchmarks.yaml", "config/modules/", "docs/check_robot.md"),
     "results": (
-        "roah_rsbb/document/", "roah_rsbb/durable.py", "roah_rsbb/journal/", "roah_rsbb/results/",
-        "roah_rsbb/run_logs/", "config/schedule.yaml", "config/standings.yaml", "docs/results.md", "resource/replay/",
-        "resource/report/"),
+        "roah_rsbb/document/", "roah_rsbb/journal/", "roah_rsbb/results/", "roah_rsbb/run_logs/",
+        "config/schedule.yaml", "config/standings.yaml", "docs/results.md", "resource/replay/", "resource/report/"),
     # A box without ROS.
     "box": (
-        "roah_rsbb/box/", "roah_rsbb/box_clock.py", "roah_rsbb/client/", "roah_rsbb/copies/", "roah_rsbb/devices/",
-        "roah_rsbb/qr_code.py", "roah_rsbb/referee/", "roah_rsbb/signs_of_life.py", "roah_rsbb/standby/",
-        "roah_rsbb/tablet/", "roah_rsbb/tools/competition/", "roah_rsbb/tools/interfaces.py",
-        "roah_rsbb/tools/launched.py",
-        "roah_rsbb/tools/open_ports.py", "roah_rsbb/tools/preflight.py", "roah_rsbb/tools/preflight_checks.py",
-        "roah_rsbb/tools/preflight_venue.py", "roah_rsbb/web/", "README.md", "config/", "docs/",
-        "launch/roah_rsbb.launch", "resource/"),
+        "roah_rsbb/box/", "roah_rsbb/client/", "roah_rsbb/copies/", "roah_rsbb/devices/", "roah_rsbb/referee/",
+        "roah_rsbb/standby/", "roah_rsbb/tablet/", "roah_rsbb/tools/competition/", "roah_rsbb/tools/interfaces.py",
+        "roah_rsbb/tools/launched.py", "roah_rsbb/tools/open_ports.py", "roah_rsbb/tools/preflight.py",
+        "roah_rsbb/tools/preflight_checks.py", "roah_rsbb/tools/preflight_venue.py", "roah_rsbb/web/", "README.md",
+        "config/", "docs/", "launch/roah_rsbb.launch", "resource/"),
     # A box with ROS.
     "ros": (
         "roah_rsbb/", "roah_rsbb/nodes/team/dummy_robots.py", "launch/", "plugin.xml",

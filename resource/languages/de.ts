@@ -3787,167 +3787,167 @@
         <translation>Die Kopie des Journals ({place}) ist {time} s, {size} kB zurück: {why}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>the judges differ: the head referee settles {items}</source>
         <translation>die Juroren weichen ab: Der Hauptschiedsrichter entscheidet {items}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>{missing} of {count} judges have not submitted: wait for them, or decide with a reason not to wait</source>
         <translation>{missing} von {count} Juroren haben nicht abgegeben: Warten Sie auf sie, oder entscheiden Sie mit Begründung, nicht zu warten</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>{missing} of {count} judges have not submitted ({names}): wait for them, or decide with a reason not to wait</source>
         <translation>{missing} von {count} Juroren haben nicht abgegeben ({names}): Warten Sie auf sie, oder entscheiden Sie mit Begründung, nicht zu warten</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>hand a sheet back</source>
         <translation>Bogen zurückgeben</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>withdraw a sheet</source>
         <translation>Bogen zurückziehen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>stop waiting for missing judges</source>
         <translation>nicht auf fehlende Juroren warten</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>settle an item</source>
         <translation>einen Punkt entscheiden</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>no judge is missing</source>
         <translation>es fehlt kein Juror</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>settle the items after that</source>
         <translation>entscheiden Sie die Punkte danach</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>this benchmark has no judges with sheets of their own: see the key &apos;judges&apos; of the benchmarks file</source>
         <translation>dieser Benchmark hat keine Juroren mit eigenen Bögen: siehe den Schlüssel „judges“ der Benchmark-Datei</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>a judge needs a name: enter it, in the terminal with --by</source>
         <translation>ein Juror braucht einen Namen: Geben Sie ihn ein, im Terminal mit --by</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>to {what} needs the name of the head referee: enter it, in the terminal with --by</source>
         <translation>{what}: Der Name des Hauptschiedsrichters fehlt: Geben Sie ihn ein, im Terminal mit --by</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>to {what} needs a reason: type one</source>
         <translation>{what}: Die Begründung fehlt: Geben Sie eine ein</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>the sheet of {judge} is submitted: ask the head referee to hand it back</source>
         <translation>der Bogen von {judge} ist abgegeben: Bitten Sie den Hauptschiedsrichter, ihn zurückzugeben</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>the sheet of {judge} was withdrawn: mark an item to begin another one</source>
         <translation>der Bogen von {judge} wurde zurückgezogen: Werten Sie einen Punkt, um einen anderen zu beginnen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>no rating of {missing}: rate it, or mark it as not attempted</source>
         <translation>keine Bewertung von {missing}: Bewerten Sie es, oder markieren Sie es als nicht versucht</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>{judge} has not submitted, so the sheet cannot be handed back</source>
         <translation>{judge} hat nicht abgegeben, also kann der Bogen nicht zurückgegeben werden</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>&apos;{judge}&apos; has no sheet of this run: it is judged by {names}</source>
         <translation>„{judge}“ hat keinen Bogen dieses Laufs: Es jurieren {names}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>this run already has its {count} judges ({names}): the head referee can withdraw a sheet</source>
         <translation>dieser Lauf hat schon seine {count} Juroren ({names}): Der Hauptschiedsrichter kann einen Bogen zurückziehen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>{most} sheets of judges were opened for this run: settle the items instead</source>
         <translation>{most} Bögen von Juroren wurden für diesen Lauf geöffnet: Entscheiden Sie stattdessen die Punkte</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/judges.py"/>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
         <source>the judges&apos; sheets of this run were changed {most} times: no more changes are kept</source>
         <translation>die Bögen der Juroren dieses Laufs wurden {most}-mal geändert: Weitere Änderungen werden nicht behalten</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/publication.py"/>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
         <source>objections are possible until {time}: wait, or publish again with a shorter time limit</source>
         <translation>Einsprüche sind bis {time} möglich: Warten Sie, oder veröffentlichen Sie noch einmal mit kürzerer Frist</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/publication.py"/>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
         <source>the result is not published yet: publish it as provisional first</source>
         <translation>das Ergebnis ist noch nicht veröffentlicht: Veröffentlichen Sie es zuerst als vorläufig</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/publication.py"/>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
         <source>an answer to an objection needs a text: type one</source>
         <translation>eine Antwort auf einen Einspruch braucht einen Text: Geben Sie einen ein</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/publication.py"/>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
         <source>publish the result as provisional first: the rules give time for objections</source>
         <translation>veröffentlichen Sie das Ergebnis zuerst als vorläufig: Die Regeln geben Zeit für Einsprüche</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/publication.py"/>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
         <source>answer objection {numbers} first</source>
         <translation>beantworten Sie zuerst Einspruch {numbers}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/publication.py"/>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
         <source>{limit} s for objections: at most {most} are possible</source>
         <translation>{limit} s für Einsprüche: Höchstens {most} sind möglich</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/publication.py"/>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
         <source>objections were possible until {time}: the organiser can publish the result again, with another time limit</source>
         <translation>Einsprüche waren bis {time} möglich: Der Veranstalter kann das Ergebnis mit anderer Frist noch einmal veröffentlichen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/publication.py"/>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
         <source>who objects</source>
         <translation>wer Einspruch erhebt</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/publication.py"/>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
         <source>the text of the objection</source>
         <translation>der Text des Einspruchs</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/publication.py"/>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
         <source>enter {missing}</source>
         <translation>es fehlt: {missing}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/publication.py"/>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
         <source>{most} objections were entered: no more are kept</source>
         <translation>{most} Einsprüche wurden eingetragen: Weitere werden nicht behalten</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/judges/publication.py"/>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
         <source>there is no objection {number}: {count} were entered</source>
         <translation>es gibt keinen Einspruch {number}: {count} wurden eingetragen</translation>
     </message>
@@ -4367,232 +4367,232 @@
         <translation>Phase {number} von {all}, {name}: {desc}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/book.py"/>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
         <source>the run was not stopped yet, so it cannot have a reason</source>
         <translation>der Lauf wurde noch nicht gestoppt, also kann er keinen Grund haben</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/book.py"/>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
         <source>a sign-off needs the name of the referee: enter it, in the terminal with --by</source>
         <translation>zum Abschließen fehlt der Name des Schiedsrichters: Geben Sie ihn ein, im Terminal mit --by</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/book.py"/>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
         <source>the run has no stop {number}: choose from 1 to {count}, or 0 for the last one</source>
         <translation>der Lauf hat keinen Stopp {number}: Wählen Sie von 1 bis {count}, oder 0 für den letzten</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/book.py"/>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
         <source>{count} judges score this benchmark, each on a sheet of their own: enter the score as a judge, or settle the item with a reason as the head referee</source>
         <translation>{count} Juroren werten diesen Benchmark, jeder auf einem eigenen Bogen: Werten Sie als Juror, oder entscheiden Sie den Punkt als Hauptschiedsrichter mit Begründung</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/book.py"/>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
         <source>the score sheet of run {run} was signed off by {who} at {time}: it is final. Take an objection to the technical committee</source>
         <translation>der Wertungsbogen des Laufs {run} wurde von {who} um {time} abgeschlossen: Er ist endgültig. Wenden Sie sich mit einem Einspruch an das Technische Komitee</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/book.py"/>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
         <source>&apos;{run}&apos; is not one of the newest {most} runs that are over: the program &apos;results&apos; shows it</source>
         <translation>„{run}“ ist keiner der neuesten {most} Läufe, die vorbei sind: Das Programm &apos;results&apos; zeigt ihn</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
+        <location filename="../../src/roah_rsbb/core/score_desk.py"/>
         <source>name the run: what arrives late must not count in another run</source>
         <translation>nennen Sie den Lauf: Was spät ankommt, darf nicht in einem anderen Lauf zählen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
+        <location filename="../../src/roah_rsbb/core/score_desk.py"/>
         <source>run {run} was in zone &apos;{zone}&apos;, not in &apos;{other}&apos;</source>
         <translation>Lauf {run} war in Zone „{zone}“, nicht in „{other}“</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
+        <location filename="../../src/roah_rsbb/core/score_desk.py"/>
         <source>run {run} is still connected: disconnect it first</source>
         <translation>Lauf {run} ist noch verbunden: Trennen Sie ihn zuerst</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
+        <location filename="../../src/roah_rsbb/core/score_desk.py"/>
         <source>name the run to sign off: only a run that is over can be signed off</source>
         <translation>nennen Sie den Lauf, der abgeschlossen wird: Nur ein beendeter Lauf kann abgeschlossen werden</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
+        <location filename="../../src/roah_rsbb/core/score_desk.py"/>
         <source>the id &apos;{id}&apos; cannot identify a mark: give each mark a new UUID</source>
         <translation>die Kennung „{id}“ kann keine Wertung bezeichnen: Geben Sie jeder Wertung eine neue UUID</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
+        <location filename="../../src/roah_rsbb/core/score_desk.py"/>
         <source>no role &apos;{role}&apos;: choose one of {choices}</source>
         <translation>keine Rolle „{role}“: Wählen Sie aus {choices}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/desk.py"/>
+        <location filename="../../src/roah_rsbb/core/score_desk.py"/>
         <source>run {run} is over, but run {other} is running in zone &apos;{zone}&apos;: stop again</source>
         <translation>Lauf {run} ist vorbei, aber Lauf {other} läuft in Zone „{zone}“: Stoppen Sie noch einmal</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>a count</source>
         <translation>eine Anzahl</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>a whole number</source>
         <translation>eine ganze Zahl</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>0 or more</source>
         <translation>0 oder mehr</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>&apos;{item}&apos; takes a number from {least} to {most} with at most {decimals} decimals, not &apos;{text}&apos;</source>
         <translation>„{item}“ nimmt eine Zahl von {least} bis {most} mit höchstens {decimals} Nachkommastellen, nicht „{text}“</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>no entry can be withdrawn</source>
         <translation>kein Eintrag kann zurückgenommen werden</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>this benchmark has no scoring items for the referee</source>
         <translation>dieser Benchmark hat keine Wertungspunkte für den Schiedsrichter</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>no scoring item &apos;{item}&apos; in group &apos;{group}&apos;{hint}</source>
         <translation>kein Wertungspunkt „{item}“ in der Gruppe „{group}“{hint}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>from {least} to {most}</source>
         <translation>von {least} bis {most}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>set the value without a note</source>
         <translation>setzen Sie den Wert ohne Notiz</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>set the value instead</source>
         <translation>setzen Sie stattdessen den Wert</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>choose from {numbers}</source>
         <translation>wählen Sie aus {numbers}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>no scoring group &apos;{group}&apos;{hint}</source>
         <translation>keine Wertungsgruppe „{group}“{hint}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>&apos;{item}&apos; is {what}: its value must be {limits}, not {value}</source>
         <translation>„{item}“ ist {what}: Der Wert muss {limits} sein, nicht {value}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>the number {value}</source>
         <translation>die Zahl {value}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>that mark was not applied, so it cannot be taken back</source>
         <translation>jene Wertung kam nicht an, also kann sie nicht zurückgenommen werden</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>that mark has no entry in the history: set the value instead</source>
         <translation>jene Wertung hat keinen Eintrag im Verlauf: Setzen Sie stattdessen den Wert</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>that mark added to its item: add the opposite instead</source>
         <translation>jene Wertung hat zu ihrem Punkt addiert: Addieren Sie stattdessen das Gegenteil</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>that mark shares an entry of the history with others: set the value instead</source>
         <translation>jene Wertung teilt einen Eintrag des Verlaufs mit anderen: Setzen Sie stattdessen den Wert</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>&apos;{item}&apos; takes a whole number, not the text &apos;{text}&apos;</source>
         <translation>„{item}“ nimmt eine ganze Zahl, nicht den Text „{text}“</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>&apos;{item}&apos; does not take {found}: choose one of {names}</source>
         <translation>„{item}“ nimmt {found} nicht: Wählen Sie aus {names}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>&apos;{item}&apos; has no judge &apos;{judge}&apos;: choose one of {judges}</source>
         <translation>„{item}“ hat keinen Juror „{judge}“: Wählen Sie aus {judges}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>&apos;{item}&apos; is rated by judges: name one of {judges}</source>
         <translation>„{item}“ wird von Juroren bewertet: Nennen Sie einen von {judges}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>&apos;{item}&apos; is a rating: give the number as a text</source>
         <translation>„{item}“ ist eine Bewertung: Geben Sie die Zahl als Text an</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>&apos;{item}&apos; is not rated by judges: leave out the judge</source>
         <translation>„{item}“ wird nicht von Juroren bewertet: Lassen Sie den Juror weg</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>&apos;{item}&apos; cannot be counted: set its value</source>
         <translation>„{item}“ kann nicht gezählt werden: Setzen Sie den Wert</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>&apos;{item}&apos; cannot be changed by &apos;{added}&apos;: give a number such as +1 or -1</source>
         <translation>„{item}“ kann nicht um „{added}“ geändert werden: Geben Sie eine Zahl wie +1 oder -1</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>&apos;{item}&apos; is counted in whole numbers, not by &apos;{added}&apos;</source>
         <translation>„{item}“ wird in ganzen Zahlen gezählt, nicht um „{added}“</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>the score sheet has no entry {number}: {hint}</source>
         <translation>der Wertungsbogen hat keinen Eintrag {number}: {hint}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>entry {number} was withdrawn already, by {who}</source>
         <translation>Eintrag {number} wurde schon zurückgenommen, von {who}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>entry {number} cannot be withdrawn, because later entries count from it: without it, {wrong}. Withdraw those first, or set the value</source>
         <translation>Eintrag {number} kann nicht zurückgenommen werden, weil spätere von ihm aus zählen: Ohne ihn gilt: {wrong}. Nehmen Sie zuerst jene zurück, oder setzen Sie den Wert</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>{most} entries of the score sheet already have a note or are withdrawn: {instead}</source>
         <translation>{most} Einträge des Wertungsbogens haben schon eine Notiz oder sind zurückgenommen: {instead}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>&apos;{item}&apos; is yes or no: its value must be 0 or 1, not {value}</source>
         <translation>„{item}“ ist ja oder nein: Der Wert muss 0 oder 1 sein, nicht {value}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/scoring/sheet.py"/>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>the id &apos;{id}&apos; was used for &apos;{item}&apos;: give each mark a new UUID</source>
         <translation>die Kennung „{id}“ wurde für „{item}“ verwendet: Geben Sie jeder Wertung eine neue UUID</translation>
     </message>

@@ -126,7 +126,7 @@ def table_of(heading: str) -> List[List[str]]:
 def test_the_table_of_the_box_has_all_objects_of_its_constructor():
     tree = ast.parse((PACKAGE / "core" / "box.py").read_text(encoding="utf-8"))
     modules = {name.name: node.module.split(".", 1)[1] for node in tree.body if isinstance(node, ast.ImportFrom)
-               for name in node.names if node.module.startswith("roah_rsbb.core")}
+               for name in node.names if node.module.startswith(("roah_rsbb.core", "roah_rsbb.scoring"))}
     constructor = next(node for node in ast.walk(tree)
                        if isinstance(node, ast.FunctionDef) and node.name == "__init__")
     made = [node.func.id for node in ast.walk(constructor)

@@ -12,7 +12,7 @@ import stat
 from dataclasses import replace
 from typing import ContextManager, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb import durable
+from roah_rsbb.ground import durable
 from roah_rsbb.journal.in_force import InForce, Texts, read_in_force, write_in_force
 from roah_rsbb.rulebook import config, event_ids
 from roah_rsbb.rulebook.benchmarks import Config, ZonePlan

@@ -11,7 +11,6 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import BOX, Effect, Level
 from roah_rsbb.core.restart.restart import BoxSaved, Saved
-from roah_rsbb.core.scoring.unsaved import Unsaved
 from roah_rsbb.core.views.views import clock_of
 from roah_rsbb.core.zones import ZoneState, key_of
 from roah_rsbb.journal import epochs, kinds
@@ -26,6 +25,7 @@ from roah_rsbb.model.results import UnsavedParts
 from roah_rsbb.model.saved import Anchor, BadState, freeze, thaw
 from roah_rsbb.model.zone import RunClock
 from roah_rsbb.rulebook.config import Config
+from roah_rsbb.scoring.unsaved import Unsaved
 from roah_rsbb.standby.clocks import NOT_MEASURED, Ahead
 
 BOX_STATE = "box"

@@ -30,15 +30,15 @@ from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.sender import on_grid
 from roah_rsbb.core.copies import NO_PORT
 from roah_rsbb.core.effects import Level, SetDevice
-from roah_rsbb.in_loop import call_in_loop
+from roah_rsbb.ground.loop import call_in_loop
+from roah_rsbb.ground.params import BadParams
+from roah_rsbb.ground.signs_of_life import Lifeline
 from roah_rsbb.journal.file import Lock, Resume, boot_id
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.clock import Now
-from roah_rsbb.params import BadParams
 from roah_rsbb.rulebook.benchmarks import Config, Durable
 from roah_rsbb.run_logs.writer import RunLogWriter
-from roah_rsbb.signs_of_life import Lifeline
 
 # Seconds between signs of life, and between looks at what only time changes.
 PERIOD_S = 0.2

@@ -11,10 +11,10 @@ import pathlib
 import re
 from typing import Container, Dict, List, Sequence, Set
 
-from roah_rsbb.params import BadParams, Params
+from roah_rsbb.ground.installed import shipped_file
+from roah_rsbb.ground.params import BadParams, Params
 from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.rulebook.launch_file import LaunchArgument, arguments
-from roah_rsbb.shipped import shipped_file
 from roah_rsbb.wording.suggestions import did_you_mean
 
 LAUNCH = "competition.launch"

@@ -10,10 +10,10 @@ import json
 from typing import Callable, Collection, Dict, List, Mapping, NamedTuple, Protocol, Sequence, Set
 
 from roah_rsbb.core.runs.run import UnrecordedStop
+from roah_rsbb.ground.signs_of_life import CHANNEL
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.fields import MAX_TEXT
 from roah_rsbb.model.records import By, EndReason, RunRecord
-from roah_rsbb.signs_of_life import CHANNEL
 
 # Before the identity of the run, in the names of the notes.
 PREFIX = "stop/"

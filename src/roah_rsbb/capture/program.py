@@ -11,7 +11,6 @@ import time
 from collections import Counter
 from typing import Callable, Dict, Iterator, List, Optional, Set, TextIO
 
-from roah_rsbb.arguments import Parser, add_password, called, number, public_port
 from roah_rsbb.capture import recording
 from roah_rsbb.capture.decoding import DatagramKind, Decoder, HeardDatagram
 from roah_rsbb.capture.listening import DatagramListener, PlainListener, RawListener
@@ -20,7 +19,8 @@ from roah_rsbb.capture.recording import Datagram
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.frame import PRIVATE_TYPES, PUBLIC_TYPES
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
-from roah_rsbb.replaced import warn_if_replaced
+from roah_rsbb.ground.arguments import Parser, add_password, called, number, public_port
+from roah_rsbb.ground.installed import warn_if_replaced
 from roah_rsbb.rulebook.config import PasswordsFile
 from roah_rsbb.rulebook.errors import ConfigErrors, Report
 from roah_rsbb.wording.texts import escaped

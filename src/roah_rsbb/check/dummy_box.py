@@ -14,8 +14,6 @@ import time
 from types import SimpleNamespace
 from typing import Callable, List, Optional, Sequence
 
-from roah_rsbb import platform
-from roah_rsbb.arguments import Parser, add_password, called, number, public_port
 from roah_rsbb.bmbox.framework.dummy_world import DummyWorld
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, Pose2D, Pose3
 from roah_rsbb.bmbox.framework.parameters import read_parameters
@@ -33,18 +31,19 @@ from roah_rsbb.core.effects import Effect
 from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.ground import linux
+from roah_rsbb.ground.arguments import Parser, add_password, called, number, public_port
+from roah_rsbb.ground.installed import NotShipped, shipped_folder, warn_if_replaced
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, RequestKind, RunForModule
 from roah_rsbb.model.records import EndReason, Phase, ScoreValue
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.radio.driver import NetworkDriver
 from roah_rsbb.radio.radio import Network, beacon_size
-from roah_rsbb.replaced import warn_if_replaced
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Benchmark, Config, ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind, GoalForm
-from roah_rsbb.shipped import NotShipped, shipped_folder
 from roah_rsbb.wording.module_scores import readable
 from roah_rsbb.wording.texts import escaped
 
@@ -313,7 +312,7 @@ async def _conduct(box: DummyBox, options: argparse.Namespace) -> DummyExit:
     try:
         for count in range(options.runs):
             task = loop.create_task(box.conduct(options.robot))
-            platform.on_end(loop, task.cancel)
+            linux.on_end(loop, task.cancel)
             ended = await task
             if box.gave_up is not None:
                 print(f"{PROGRAM}: {box.gave_up}", file=sys.stderr)

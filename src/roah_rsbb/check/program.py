@@ -9,8 +9,6 @@ import sys
 import time
 from typing import Callable, List, Optional, Sequence, Tuple
 
-from roah_rsbb import platform
-from roah_rsbb.arguments import Parser, add_password, called, number, public_port, read_by
 from roah_rsbb.check import report
 from roah_rsbb.check.box import NetworkInUse
 from roah_rsbb.check.engine import Engine, all_scenarios, scenarios_of
@@ -20,9 +18,10 @@ from roah_rsbb.check.scenarios.scenario import Depth, Scenario
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
-from roah_rsbb.replaced import warn_if_replaced
+from roah_rsbb.ground import linux
+from roah_rsbb.ground.arguments import Parser, add_password, called, number, public_port, read_by
+from roah_rsbb.ground.installed import pages_folder, warn_if_replaced
 from roah_rsbb.rulebook.registry import PROFILES
-from roah_rsbb.shipped import pages_folder
 from roah_rsbb.wording.suggestions import did_you_mean
 
 PROGRAM = called("check_robot")
@@ -189,7 +188,7 @@ async def _run(engine: Engine) -> bool:
     """Run the check until its end, SIGINT or SIGTERM. Returns whether it was interrupted."""
     loop = asyncio.get_event_loop()
     running = loop.create_task(engine.run())
-    platform.on_end(loop, running.cancel)
+    linux.on_end(loop, running.cancel)
     try:
         await running
     except asyncio.CancelledError:

@@ -17,7 +17,7 @@ from typing import Any, Awaitable, Callable, Dict, Generic, Mapping, NamedTuple,
 
 from tornado import httpclient, websocket
 
-from roah_rsbb.box_clock import BoxClock
+from roah_rsbb.client.box_clock import BoxClock
 from roah_rsbb.document.calls import MAX_MESSAGE_BYTES as MAX_SENT_BYTES
 from roah_rsbb.document.calls import Call, Caller, InThread, Waiting, carried_out, waited
 from roah_rsbb.document.document import Followed, Gap

@@ -4,7 +4,7 @@ import os
 import shlex
 from typing import Callable, Optional
 
-from roah_rsbb import platform
+from roah_rsbb.ground import linux
 
 PASSWORD_VARIABLE = "ROAH_RSBB_KEY"
 """The environment variable that holds a team's password."""
@@ -48,7 +48,7 @@ def password_in(file: str, on_warning: Callable[[str], object]) -> str:
     password = own_password(None, file)
     if not password:
         raise ValueError(f"parameter rsbb_key_file: the first line of {file} is empty, expected the password")
-    mode = platform.open_to_others(file)
+    mode = linux.open_to_others(file)
     if mode:
         on_warning(f"Other users of this computer can read the password in {file} (mode {mode:04o}): chmod 600 "
                    f"{shlex.quote(file)}")

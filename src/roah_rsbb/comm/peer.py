@@ -9,9 +9,9 @@ import socket
 import time
 from typing import Callable, List, Optional, Tuple
 
-from roah_rsbb import platform
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.complaints import OnceASecond
+from roah_rsbb.ground import linux
 
 Address = Tuple[str, int]
 
@@ -168,7 +168,7 @@ class Peer:
     def _read(self, endpoint: socket.socket) -> None:
         for _ in range(_MAX_READS_PER_WAKE_UP):
             try:
-                datagram, sender, self.received_utc = platform.receive(endpoint)
+                datagram, sender, self.received_utc = linux.receive(endpoint)
             except (BlockingIOError, InterruptedError):
                 return
             except OSError as error:

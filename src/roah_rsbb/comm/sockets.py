@@ -7,7 +7,7 @@ import re
 import socket
 from typing import Optional
 
-from roah_rsbb import platform
+from roah_rsbb.ground import linux
 
 ANY_HOST = "0.0.0.0"
 LOOPBACK_BROADCAST = "127.255.255.255"
@@ -51,7 +51,7 @@ def _bound(host: str, port: int, shared: bool, parameter: str) -> socket.socket:
         endpoint.setblocking(False)
         endpoint.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
         endpoint.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVE_BUFFER_SIZE)
-        platform.set_up(endpoint, shared)
+        linux.set_up(endpoint, shared)
         endpoint.bind((host, port))
     except OSError as error:
         endpoint.close()

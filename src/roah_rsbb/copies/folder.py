@@ -22,9 +22,9 @@ import os
 import shutil
 from typing import Iterator, Optional, Set
 
-from roah_rsbb import durable
 from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent, Held, Part, crc_of, intact_size
 from roah_rsbb.copies.segments import identity_in
+from roah_rsbb.ground import durable
 from roah_rsbb.journal import file as files
 from roah_rsbb.journal import log
 from roah_rsbb.model.reason import say

@@ -2,7 +2,7 @@
 
 from typing import List, NamedTuple
 
-from roah_rsbb.params import NONE, Params
+from roah_rsbb.ground.params import NONE, Params
 
 # In the environment of the program that copies: the process that started it, which may be gone already.
 PARENT = "ROAH_RSBB_PARENT"

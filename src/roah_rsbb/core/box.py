@@ -16,7 +16,7 @@ from roah_rsbb.core.clock import ClockWatch
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.copies import Copies, CopyReport
 from roah_rsbb.core.effects import Effect, How, Level, Outbox
-from roah_rsbb.core.judges.desk import JudgeDesk
+from roah_rsbb.core.judge_desk import JudgeDesk
 from roah_rsbb.core.link.heard import Heard
 from roah_rsbb.core.modules.desk import ModuleDesk
 from roah_rsbb.core.modules.presence import Modules
@@ -24,8 +24,7 @@ from roah_rsbb.core.reload import Reload
 from roah_rsbb.core.restart.restart import BoxSaved, Restart, Saved
 from roah_rsbb.core.robots import ActiveRobots, RobotId
 from roah_rsbb.core.runs.run import Consequence, Run
-from roah_rsbb.core.scoring.book import FinishedRuns
-from roah_rsbb.core.scoring.desk import ScoreDesk
+from roah_rsbb.core.score_desk import ScoreDesk
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
@@ -40,6 +39,7 @@ from roah_rsbb.protocol import WireTime
 from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.rulebook.event_ids import EventKey
 from roah_rsbb.rulebook.registry import DEVICES, TABLET
+from roah_rsbb.scoring.book import FinishedRuns
 
 REPLAY = say("This is a replay of {run}: nothing here is live, and commands have no effect")
 SUPERSEDED = say("This box is superseded: the box at {address} has taken over. Nothing is sent to robots, and commands "

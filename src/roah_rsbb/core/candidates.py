@@ -5,7 +5,6 @@ from typing import Iterator, List, NamedTuple, Sequence, Tuple
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.link.skew import THE_ROBOT
 from roah_rsbb.core.robots import ActiveRobot, ActiveRobots
-from roah_rsbb.core.scoring.book import FinishedRuns
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import Zone, Zones
@@ -14,6 +13,7 @@ from roah_rsbb.model.reason import joined, say
 from roah_rsbb.model.records import Phase, RunRecord
 from roah_rsbb.model.referee import cut_note
 from roah_rsbb.rulebook.registry import BenchmarkKind
+from roah_rsbb.scoring.book import FinishedRuns
 from roah_rsbb.wording import times
 from roah_rsbb.wording.suggestions import did_you_mean
 

@@ -19,7 +19,6 @@ from roah_rsbb.core.runs.all_robots import AllRobotsRun
 from roah_rsbb.core.runs.by_hand import HandRun
 from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalityState
 from roah_rsbb.core.runs.run import Assignment, Run, RunContext, RunState, port_of
-from roah_rsbb.core.scoring.book import FinishedRuns
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
@@ -28,6 +27,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import Beacon, BenchmarkingRobot
 from roah_rsbb.model.records import NOBODY, By
 from roah_rsbb.rulebook.registry import TABLET, BenchmarkKind
+from roah_rsbb.scoring.book import FinishedRuns
 
 # More failures than robots to connect mean that no port can be opened. This is how many more.
 MAX_PORTS_TRIED = 20

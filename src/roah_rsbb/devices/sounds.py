@@ -6,9 +6,9 @@ import subprocess
 import threading
 from typing import Callable, List, Optional, Sequence, Set
 
-from roah_rsbb import platform
-from roah_rsbb.params import BadParams, Params
-from roah_rsbb.shipped import shipped_folder
+from roah_rsbb.ground import linux
+from roah_rsbb.ground.installed import shipped_folder
+from roah_rsbb.ground.params import BadParams, Params
 
 BELL, TIMEOUT = "bell.wav", "timeout.wav"
 # The first one that is installed plays the included sounds. aplay is in package alsa-utils of Debian and Ubuntu.
@@ -46,7 +46,7 @@ class Sound:
         self._wanted.set()
         running = self._running
         if running is not None:
-            platform.end_with_children(running)
+            linux.end_with_children(running)
         self._thread.join(END_S)
 
     def _run(self) -> None:
@@ -66,11 +66,11 @@ class Sound:
             start_new_session=True,
         )
         if self._closed:
-            platform.end_with_children(player)
+            linux.end_with_children(player)
         try:
             status = player.wait(self._limit_s)
         except subprocess.TimeoutExpired:
-            platform.end_with_children(player)
+            linux.end_with_children(player)
             player.wait()
             self._report(f"{self._words[0]} played for more than {self._limit_s:g} s and was ended")
             return

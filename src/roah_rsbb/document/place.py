@@ -34,7 +34,7 @@ def write_place(path: str, url: str, token: str, why: str = "") -> None:
     """Write the file of a door; `why`: why there is none. Raises OSError.
 
     On a full disk, the file of the door before is written over, which has as many bytes."""
-    from roah_rsbb.durable import write_file
+    from roah_rsbb.ground.durable import write_file
 
     os.makedirs(os.path.dirname(path), exist_ok=True)
     content = json.dumps({"url": url, "token": token, **({"why": why} if why else {})}).encode()

@@ -9,10 +9,10 @@ import os
 import time
 from typing import Any, List, NamedTuple, Tuple
 
-from roah_rsbb import platform
+from roah_rsbb.ground import linux
+from roah_rsbb.ground.linux import boot_id
 from roah_rsbb.journal.contents import Contents, Opened, no_journal, open_journal
 from roah_rsbb.journal.log import NEWEST, NewerFormat, identity
-from roah_rsbb.platform import boot_id
 
 __all__ = [
     "FILE_NAME", "CannotWriteJournal", "CoreSession", "DamagedJournal", "JournalInUse", "Lock", "Resume", "boot_id",
@@ -118,14 +118,14 @@ def _pid_in(fd: int) -> int:
 
 def is_stopped(pid: int) -> bool:
     """Whether a process is stopped (SIGSTOP, Ctrl-Z, a debugger) and does nothing."""
-    return platform.status_of(pid)[0] in ("t", "T")
+    return linux.status_of(pid)[0] in ("t", "T")
 
 
 def _locked(path: str) -> int:
     """Lock the journal at a path; returns the descriptor. Raises `JournalInUse` or OSError."""
     fd = _lock_file(f"{path}.lock")
     try:
-        platform.lock(fd)
+        linux.lock(fd)
     except BlockingIOError:
         try:
             raise JournalInUse(_in_use(path, fd)) from None

@@ -9,7 +9,7 @@ import json
 import os
 from typing import Dict, NamedTuple, Optional, Tuple
 
-from roah_rsbb import durable
+from roah_rsbb.ground import durable
 
 FILE_NAME = "configuration.json"
 # What the files of a version are, in their order. A box without rules for standings has three.

@@ -52,7 +52,7 @@ from typing import (
     Union,
 )
 
-from roah_rsbb import durable
+from roah_rsbb.ground import durable
 
 VERSION = 1
 _HEAD = struct.Struct("<8sII16sQQQII")

@@ -8,7 +8,7 @@ import os
 import time
 from typing import Any, Callable, Collection, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb import platform
+from roah_rsbb.ground import linux
 from roah_rsbb.journal import kinds, records
 from roah_rsbb.journal.contents import DAMAGED, Opened, RunEntry, holes_of, open_journal, utc_text
 from roah_rsbb.journal.file import FILE_NAME
@@ -361,7 +361,7 @@ class JournalReader:
                 found = open_journal(self.path)
                 if not (found.problems or found.holes or found.torn):
                     break
-                if platform.is_locked(f"{self.path}.lock"):  # a box writes it
+                if linux.is_locked(f"{self.path}.lock"):  # a box writes it
                     time.sleep(PAUSE_S)
         except NewerFormat as error:
             raise JournalError(f"{self.path}: {error}: read it with that version") from None

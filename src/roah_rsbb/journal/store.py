@@ -18,7 +18,7 @@ import time
 from collections import deque
 from typing import Any, Callable, Deque, Iterator, List, Optional, Tuple, Type
 
-from roah_rsbb import durable
+from roah_rsbb.ground import durable
 from roah_rsbb.journal import file as files
 from roah_rsbb.journal.batch import Batch
 from roah_rsbb.journal.contents import Opened

@@ -15,9 +15,9 @@ import rosgraph
 import rospy
 from std_srvs.srv import Empty, EmptyResponse
 
-from roah_rsbb.arguments import Parser
 from roah_rsbb.devices.dummy_server import DummyServer
-from roah_rsbb.params import BadParams
+from roah_rsbb.ground.arguments import Parser
+from roah_rsbb.ground.params import BadParams
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import NodeParams

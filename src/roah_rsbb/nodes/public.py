@@ -21,8 +21,8 @@ from typing import Any, List, Optional
 import rosgraph
 import rospy
 
+from roah_rsbb.ground.params import BadParams
 from roah_rsbb.nodes.browser import addresses, answers, command, find, make_profile
-from roah_rsbb.params import BadParams
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.display import Screen, screens
 from roah_rsbb.ros.params import NodeParams

@@ -14,9 +14,9 @@ from typing import Any, Callable, List
 import rosgraph
 import rospy
 
-from roah_rsbb.arguments import Parser, number
 from roah_rsbb.box.box_door import BoxDoor
 from roah_rsbb.box.calls import BoxCalls
+from roah_rsbb.ground.arguments import Parser, number
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import REPLAY as PREFIX

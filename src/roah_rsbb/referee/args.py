@@ -5,12 +5,12 @@ import math
 import re
 from typing import Any, Callable, Dict, Optional, Sequence, TypeVar
 
-from roah_rsbb.arguments import Parser, called, number, read_by
-from roah_rsbb.core.judges.publication import MAX_OBJECTION_TIME_S
+from roah_rsbb.ground.arguments import Parser, called, number, read_by
 from roah_rsbb.model.actions import ACTIONS, AGAIN, Action
 from roah_rsbb.model.fields import Field, Number, Team, Toggle
 from roah_rsbb.referee.answers import Operations
 from roah_rsbb.referee.words import PLACED, event_wanted, expected, score_wanted
+from roah_rsbb.scoring.publication import MAX_OBJECTION_TIME_S
 from roah_rsbb.wording.schedule import Show
 
 T = TypeVar("T")

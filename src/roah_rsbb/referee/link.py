@@ -8,10 +8,10 @@ import uuid
 from concurrent.futures import Future
 from typing import Any, Dict, Optional, cast
 
-from roah_rsbb.arguments import is_without_ros
 from roah_rsbb.client.client import OLD_S, Answer, Client
 from roah_rsbb.client.places import START, DoorPlaces
 from roah_rsbb.document.written import read
+from roah_rsbb.ground.arguments import is_without_ros
 from roah_rsbb.model.actions import MARK
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.judging import JudgedRun

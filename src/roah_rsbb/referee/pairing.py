@@ -3,13 +3,13 @@ the codes of teams (docs/web.md, "Pages of teams")."""
 
 from typing import Any, Dict, List
 
-from roah_rsbb import qr_code
 from roah_rsbb.model.web_calls import PAIR, PAIRED, REVOKE, TEAM_CODES
 from roah_rsbb.referee.exits import Exit
 from roah_rsbb.referee.link import Link
 from roah_rsbb.referee.output import Output
 from roah_rsbb.referee.view import BOLD, Style
 from roah_rsbb.referee.words import BadWord, pick_zone
+from roah_rsbb.web import qr_code
 from roah_rsbb.wording.device import encryption_text, role_text
 from roah_rsbb.wording.texts import escaped
 from roah_rsbb.wording.times import countdown

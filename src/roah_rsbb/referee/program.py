@@ -12,7 +12,7 @@ import time
 from typing import TYPE_CHECKING, List, Optional
 
 # All else is imported later: before, a STOP leaves, and help or a wrong option need little of it.
-from roah_rsbb.arguments import is_without_ros
+from roah_rsbb.ground.arguments import is_without_ros
 from roah_rsbb.referee.at_once import EarlyStop, send_stop
 from roah_rsbb.referee.exits import Exit
 

@@ -3,8 +3,6 @@
 import shlex
 from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.core.scoring.points import number_of, text_of
-from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.fields import (
     BadValue,
@@ -22,6 +20,8 @@ from roah_rsbb.model.scoring import MAX_NUMBER, MAX_VALUE, Entered, ScoreKind, S
 from roah_rsbb.model.shown import Shown
 from roah_rsbb.model.zone import Event, SheetItem
 from roah_rsbb.referee.at_once import STOP, meant
+from roah_rsbb.scoring.points import number_of, text_of
+from roah_rsbb.scoring.sheet import Mark, ScoreSheet
 from roah_rsbb.wording.suggestions import did_you_mean
 
 # Actions that have a command of their own in the terminal, with other words.

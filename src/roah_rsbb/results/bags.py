@@ -4,7 +4,7 @@ import contextlib
 import os
 from typing import Dict, Iterator, List, Tuple
 
-from roah_rsbb import platform
+from roah_rsbb.ground import linux
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.wording.texts import one_line
 from roah_rsbb.wording.times import NOTHING
@@ -54,7 +54,7 @@ def making_bags(reader: JournalReader) -> Iterator[bool]:
     try:
         with contextlib.suppress(OSError):  # some network file systems have no locks
             try:
-                platform.lock(fd)
+                linux.lock(fd)
             except BlockingIOError:
                 may_make = False
         yield may_make

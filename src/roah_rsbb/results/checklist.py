@@ -2,9 +2,9 @@
 
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence
 
-from roah_rsbb.core.scoring.counting import AttemptsKey, Ruling, Why, attempts_key, event_results
 from roah_rsbb.results.runs import run_state_text, signature_of
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
+from roah_rsbb.scoring.counting import AttemptsKey, Ruling, Why, attempts_key, event_results
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.texts import one_line
 from roah_rsbb.wording.times import date_time

@@ -13,12 +13,12 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, TextIO, Tuple, Union
 
-from roah_rsbb.core.scoring.counting import Why
 from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreEntry
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.results.judging import ratings
 from roah_rsbb.results.runs import RunResult, run_state_text, taken_s
 from roah_rsbb.results.standings import Standing
+from roah_rsbb.scoring.counting import Why
 from roah_rsbb.wording.sheets import person, ratings_text
 from roah_rsbb.wording.texts import value_text, visible
 from roah_rsbb.wording.times import iso

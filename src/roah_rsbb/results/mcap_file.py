@@ -6,7 +6,7 @@ import os
 import struct
 from typing import Any, BinaryIO, Dict, List, NamedTuple, Tuple
 
-from roah_rsbb.durable import USUAL, write_file
+from roah_rsbb.ground.durable import USUAL, write_file
 from roah_rsbb.model.run_log import KINDS, LogKind
 from roah_rsbb.results.runs import RobotPart, RunResult, file_name
 

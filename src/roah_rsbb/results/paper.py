@@ -8,7 +8,6 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.core.scoring.counting import amount_of, exact
 from roah_rsbb.model.records import ItemRecord, RunRecord, SheetPoints, grouped
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, tag
@@ -22,6 +21,7 @@ from roah_rsbb.results.standings import (
 )
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent
 from roah_rsbb.rulebook.standing_rules import DEFAULT, Rules
+from roah_rsbb.scoring.counting import amount_of, exact
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.counting import counting_text
 from roah_rsbb.wording.module_scores import by_group

@@ -16,7 +16,7 @@ import time
 from types import TracebackType
 from typing import Any, Dict, Iterable, List, Optional, Type
 
-from roah_rsbb import platform
+from roah_rsbb.ground import linux
 
 # The first one that is installed is used. The headless shell has no window and starts in a quarter of the time.
 BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
@@ -101,7 +101,7 @@ class Printer:
             self._process.wait(CLOSE_S)
         except subprocess.TimeoutExpired:
             # Debian starts the browser by a script, which is in the same session.
-            platform.end_with_children(self._process)
+            linux.end_with_children(self._process)
             self._process.wait()
         self._errors.close()
         self._folder.cleanup()

@@ -7,14 +7,14 @@ States and times are the journal's, and scores and points come from the core's o
 
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
-from roah_rsbb.core.scoring.book import BookState, RunBook, form_of
-from roah_rsbb.core.scoring.points import CountedSheet
 from roah_rsbb.journal import kinds
 from roah_rsbb.model import run_log
 from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreValue
 from roah_rsbb.model.saved import BadState, thaw
 from roah_rsbb.results.events import TITLES, SectionLine, Stretch, box_states, in_order, robot_states
 from roah_rsbb.results.runs import RobotPart, RunMoment, RunResult, clock_text, run_state_of, without_step
+from roah_rsbb.scoring.book import BookState, RunBook, form_of
+from roah_rsbb.scoring.points import CountedSheet
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.texts import visible

@@ -8,19 +8,6 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.core.scoring.book import form_of
-from roah_rsbb.core.scoring.counting import (
-    Numbers,
-    Ruling,
-    RunChoice,
-    Why,
-    attempts_of,
-    exact,
-    rules_for,
-    rulings,
-    sort_key,
-)
-from roah_rsbb.core.scoring.points import text_of
 from roah_rsbb.model.public import PublicRank, PublicStanding
 from roah_rsbb.model.reason import Reason, say
 from roah_rsbb.model.records import RunRecord
@@ -40,6 +27,19 @@ from roah_rsbb.rulebook.standing_rules import (
     StandingPart,
     StandingRules,
 )
+from roah_rsbb.scoring.book import form_of
+from roah_rsbb.scoring.counting import (
+    Numbers,
+    Ruling,
+    RunChoice,
+    Why,
+    attempts_of,
+    exact,
+    rules_for,
+    rulings,
+    sort_key,
+)
+from roah_rsbb.scoring.points import text_of
 from roah_rsbb.wording.sheets import NOT_SIGNED_OFF, end_reason, turn
 from roah_rsbb.wording.texts import one_line
 from roah_rsbb.wording.times import NOTHING, date_time, day_of, has_zone

@@ -23,8 +23,8 @@ from typing import Any, Awaitable, Callable, Optional, Set, Union
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.sockets import ANY_HOST
+from roah_rsbb.ground.installed import warn_if_replaced
 from roah_rsbb.protocol import RobotState
-from roah_rsbb.replaced import warn_if_replaced
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import Goal, Result
 from roah_rsbb.robot.machine import IllegalEvent

@@ -15,13 +15,13 @@ import time
 from dataclasses import dataclass
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
-from roah_rsbb import platform
-from roah_rsbb.arguments import Parser, add_password, called, number, read_by
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
 from roah_rsbb.comm.sockets import ANY_HOST
-from roah_rsbb.replaced import warn_if_replaced
+from roah_rsbb.ground import linux
+from roah_rsbb.ground.arguments import Parser, add_password, called, number, read_by
+from roah_rsbb.ground.installed import warn_if_replaced
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.client import Behaviour, RobotClient
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
@@ -266,7 +266,7 @@ async def _run(client: RobotClient) -> None:
     """Run until SIGINT or SIGTERM."""
     loop = asyncio.get_event_loop()
     running = loop.create_task(client.run())
-    platform.on_end(loop, running.cancel)
+    linux.on_end(loop, running.cancel)
     with contextlib.suppress(asyncio.CancelledError):
         await running
 

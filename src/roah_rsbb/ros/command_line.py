@@ -6,8 +6,8 @@ from typing import Any, Callable, Tuple, Type
 
 import rospy
 
-from roah_rsbb.arguments import Parser
-from roah_rsbb.params import BadParams
+from roah_rsbb.ground.arguments import Parser
+from roah_rsbb.ground.params import BadParams
 from roah_rsbb.ros import connections
 
 _SETTINGS = """\

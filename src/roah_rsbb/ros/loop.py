@@ -11,8 +11,7 @@ from typing import Any, Callable, Dict, Optional, TypeVar
 
 import rospy
 
-from roah_rsbb.in_loop import ANSWER_TIMEOUT_S, call_in_loop
-from roah_rsbb.log_lines import LogLines
+from roah_rsbb.ground.loop import ANSWER_TIMEOUT_S, LogLines, call_in_loop
 
 T = TypeVar("T")
 

@@ -21,7 +21,7 @@ import genpy
 import rosgraph.network
 import rospy
 
-from roah_rsbb.in_loop import ANSWER_TIMEOUT_S
+from roah_rsbb.ground.loop import ANSWER_TIMEOUT_S
 from roah_rsbb.ros.connections import DEADLINE_S, MAX_HANDSHAKE, MAX_WAITING
 
 # Connections that are accepted in a turn of the loop.

@@ -4,7 +4,7 @@ from typing import Dict
 
 import rospy
 
-from roah_rsbb.params import Params
+from roah_rsbb.ground.params import Params
 
 
 class NodeParams(Params):

@@ -9,8 +9,8 @@ import os
 import pathlib
 from typing import List, Mapping, Optional
 
+from roah_rsbb.ground.installed import NotShipped, shipped_folder
 from roah_rsbb.rqt.qt import QCoreApplication, QLibraryInfo, QTranslator
-from roah_rsbb.shipped import NotShipped, shipped_folder
 from roah_rsbb.wording.catalogues import CONTEXT, Texts, form, read
 from roah_rsbb.wording.language import set_translation
 

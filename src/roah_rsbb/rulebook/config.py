@@ -9,7 +9,7 @@ import shlex
 from dataclasses import replace
 from typing import Any, Dict, FrozenSet, List, Optional, Set, Tuple
 
-from roah_rsbb import platform
+from roah_rsbb.ground import linux
 from roah_rsbb.model.scoring import Agreement, JudgesRule
 from roah_rsbb.rulebook.benchmarks import (
     ALL_TEAMS,
@@ -388,7 +388,7 @@ class PasswordsFile:
 
     def _warn_if_readable(self, path: str) -> None:
         try:
-            mode = platform.open_to_others(path)
+            mode = linux.open_to_others(path)
         except (OSError, ValueError):
             return  # reported when it was read
         if mode:

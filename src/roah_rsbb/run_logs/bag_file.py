@@ -5,7 +5,7 @@ import errno
 import os
 from typing import Dict, Iterable, Mapping, Tuple
 
-from roah_rsbb.durable import USUAL, has_space, write_file
+from roah_rsbb.ground.durable import USUAL, has_space, write_file
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.run_log import KINDS
 from roah_rsbb.run_logs.bag import Bag

@@ -13,9 +13,9 @@ import threading
 import time
 from typing import Callable, Dict, Iterable, List, Optional, Set
 
-from roah_rsbb import platform
-from roah_rsbb.arguments import without_ros
 from roah_rsbb.core import effects
+from roah_rsbb.ground import linux
+from roah_rsbb.ground.arguments import without_ros
 from roah_rsbb.run_logs.names import log_name, unused
 
 # A bag that could not be made is tried again after this time, which doubles each time (s).
@@ -38,7 +38,7 @@ class RunLogWriter:
         self._box_uuid = box_uuid
         self._on_problem = on_problem
         self._on_repaired = on_repaired
-        self._command = platform.with_low_priority(without_ros("results", "--log-dir", log_dir, "bags", "--make"))
+        self._command = linux.with_low_priority(without_ros("results", "--log-dir", log_dir, "bags", "--make"))
         self._paths: queue.Queue[Optional[str]] = queue.Queue()  # of bags to be made; None: the box ends
         self._used: Set[str] = set()
         self.files: Dict[int, str] = {}  # by the run's port: where its log will be

@@ -18,7 +18,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
-from roah_rsbb import durable
+from roah_rsbb.ground import durable
 from roah_rsbb.standby.messages import LENGTH, MAX_BYTES, BadMessage, Message, decode, encode
 
 # An end that is silent for this long is lost. A stick or disk of the standby may be slow.

@@ -11,7 +11,7 @@ import json
 import os
 from typing import Deque, NamedTuple, Optional, Tuple
 
-from roah_rsbb import durable
+from roah_rsbb.ground import durable
 from roah_rsbb.journal.file import boot_id
 from roah_rsbb.model.clock import Now
 

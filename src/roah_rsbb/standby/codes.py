@@ -11,8 +11,8 @@ import secrets
 import time
 from typing import Callable
 
-from roah_rsbb import durable
-from roah_rsbb.arguments import typed
+from roah_rsbb.ground import durable
+from roah_rsbb.ground.arguments import typed
 from roah_rsbb.standby.pairing import BOX, STANDBY, Exchange, is_same
 from roah_rsbb.standby.partners import FOLDER
 

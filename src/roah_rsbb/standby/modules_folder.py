@@ -11,7 +11,7 @@ import shutil
 import zipfile
 from typing import Iterator, Tuple
 
-from roah_rsbb.durable import write_file
+from roah_rsbb.ground.durable import write_file
 
 # In all. A competition's rules and parameters have some ten kB; a folder with more is another one by mistake.
 MAX_BYTES = 10_000_000

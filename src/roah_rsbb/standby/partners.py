@@ -9,7 +9,7 @@ import json
 import os
 from typing import Dict, NamedTuple, Optional
 
-from roah_rsbb import durable
+from roah_rsbb.ground import durable
 from roah_rsbb.standby.pair import Side
 from roah_rsbb.standby.pairing import hashed
 from roah_rsbb.standby.words import pair_name

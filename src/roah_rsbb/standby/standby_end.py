@@ -6,7 +6,7 @@ import socket
 import threading
 from typing import Callable, Optional, Tuple
 
-from roah_rsbb import durable
+from roah_rsbb.ground import durable
 from roah_rsbb.journal.epochs import FIRST
 from roah_rsbb.standby.channel import ANY_HOST, Channel, Lost, connect
 from roah_rsbb.standby.messages import MAX_BYTES_OF_STRANGERS, BadMessage

@@ -8,7 +8,7 @@ import json
 import os
 from typing import Dict, Mapping
 
-from roah_rsbb import durable
+from roah_rsbb.ground import durable
 
 FILE = "stops.json"
 # The newest ones, and the characters of each: JSON has up to 6 for each character of who stopped, and why.

@@ -12,9 +12,9 @@ import sys
 import time
 from typing import List, Optional, Tuple
 
-from roah_rsbb import platform
-from roah_rsbb.arguments import Parser, read_by
 from roah_rsbb.comm.sockets import ANY_HOST
+from roah_rsbb.ground import linux
+from roah_rsbb.ground.arguments import Parser, read_by
 from roah_rsbb.tablet.radio import TabletRadio
 from roah_rsbb.tablet.state import ShownTablet
 
@@ -152,14 +152,14 @@ def _follow_input(loop: asyncio.AbstractEventLoop, tablet: DummyTablet, ended: a
         if not data:
             ended.set()
     with contextlib.suppress(OSError, ValueError):  # a file or no input, as in a launch: only send beacons
-        platform.on_input(loop, sys.stdin, take)
+        linux.on_input(loop, sys.stdin, take)
 
 
 async def _run(options: argparse.Namespace) -> int:
     loop = asyncio.get_event_loop()
     tablet = DummyTablet(loop, options.host, options.port, options.bind)
     ended = asyncio.Event()
-    platform.on_end(loop, ended.set)
+    linux.on_end(loop, ended.set)
     tablet.open()
     try:
         if options.call:

@@ -11,7 +11,7 @@ from typing import Callable, Iterable, Optional
 
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.channels import MakePeer
-from roah_rsbb.params import Params
+from roah_rsbb.ground.params import Params
 from roah_rsbb.tablet import maps
 from roah_rsbb.tablet.pages import Pages
 from roah_rsbb.tablet.radio import TabletRadio

@@ -12,8 +12,8 @@ import subprocess
 import sys
 from typing import Dict, Iterator, List
 
-from roah_rsbb import platform
-from roah_rsbb.arguments import Parser
+from roah_rsbb.ground import linux
+from roah_rsbb.ground.arguments import Parser
 from roah_rsbb.tools import launched
 
 ZONE = "Testing TestingTeam"
@@ -124,5 +124,5 @@ def main() -> None:
     master_port = _free_port(socket.SOCK_STREAM, "127.0.0.1", 11311, 1)
     environment = {**os.environ, "ROS_MASTER_URI": f"http://127.0.0.1:{master_port}", "ROS_IP": "127.0.0.1"}
     environment.pop("ROS_HOSTNAME", None)
-    run = _with_window if platform.has_display() and not options.no_window else _scripted
+    run = _with_window if linux.has_display() and not options.no_window else _scripted
     sys.exit(run(environment, master_port))

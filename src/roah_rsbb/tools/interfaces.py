@@ -2,8 +2,8 @@
 
 from typing import List, NamedTuple
 
-from roah_rsbb import platform
 from roah_rsbb.comm import sockets
+from roah_rsbb.ground import linux
 
 
 class Interface(NamedTuple):
@@ -17,7 +17,7 @@ class Interface(NamedTuple):
 def interfaces() -> List[Interface]:
     """Return the interfaces of this computer that have an IPv4 address."""
     found = []
-    for name, address, broadcast in platform.interfaces():
+    for name, address, broadcast in linux.interfaces():
         if address:
             if address.startswith("127."):
                 broadcast = sockets.LOOPBACK_BROADCAST

@@ -14,10 +14,10 @@ import subprocess
 import tempfile
 from typing import Callable, Dict, List, NamedTuple, Optional
 
-from roah_rsbb.arguments import is_without_ros
 from roah_rsbb.client.places import OWN_VARIABLE, is_answering
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.channels import PublicChannel
+from roah_rsbb.ground.arguments import is_without_ros
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import Config

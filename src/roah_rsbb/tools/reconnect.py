@@ -19,7 +19,7 @@ from typing import Dict, List, NamedTuple, Sequence
 
 import rosgraph
 
-from roah_rsbb.arguments import Parser
+from roah_rsbb.ground.arguments import Parser
 
 PROGRAM = "reconnect"
 MASTER_PORT = 11311

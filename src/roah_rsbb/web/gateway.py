@@ -11,7 +11,7 @@ from typing import Any, Callable, Iterable, Mapping, NamedTuple, Set
 
 from roah_rsbb.comm import sockets
 from roah_rsbb.document.calls import Call
-from roah_rsbb.params import BadParams, Params
+from roah_rsbb.ground.params import BadParams, Params
 from roah_rsbb.web.calls import BoxCommanded, PageCalls
 from roah_rsbb.web.displays.listed import FILE as DISPLAYS_FILE
 from roah_rsbb.web.displays.listed import Displays

@@ -7,7 +7,7 @@ import os
 import threading
 from typing import Any, Callable, TypeVar
 
-from roah_rsbb import durable
+from roah_rsbb.ground import durable
 
 T = TypeVar("T")
 Save = Callable[[Any], None]

@@ -21,7 +21,6 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import RunOpened
 from roah_rsbb.core.link.link import HERE_S
 from roah_rsbb.core.restart.restart import BoxSaved, Saved
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.views import views
 from roah_rsbb.core.zones import ZoneState
 from roah_rsbb.model.fields import form_text
@@ -31,6 +30,7 @@ from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.radio import wire_convert
+from roah_rsbb.scoring.sheet import Mark
 
 ZONES = ("catering", "visitor", "object", "waypoints", "all")
 HOSTS = ("10.0.0.2", "10.0.0.3", "10.0.0.9")

@@ -185,7 +185,7 @@ def test_a_file_that_cannot_take_ids_stays_and_is_reported(competition, monkeypa
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("roah_rsbb.durable.write_file", full)
+    monkeypatch.setattr("roah_rsbb.ground.durable.write_file", full)
     assert "cannot be written (No space left on device)" in core.write_ids(content, with_ids)
     assert (competition.folder / "schedule.yaml").read_text("utf-8") == before
 

@@ -4,9 +4,9 @@ import pytest
 
 from helpers.competition import DOOR, competition, event
 from helpers.journaled import CATERING, NAVIGATION, box
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.journal.file import Resume
 from roah_rsbb.model.referee import RunName
+from roah_rsbb.scoring.sheet import Mark
 
 
 def test_a_run_that_cannot_continue_can_be_corrected_and_signed_off(tmp_path):

@@ -7,8 +7,8 @@ import pytest
 from roah_rsbb.box import settings as settings_of
 from roah_rsbb.box.parameters import read_parameters
 from roah_rsbb.box.settings import BoxSettings
-from roah_rsbb.params import BadParams
-from roah_rsbb.shipped import shipped_folder
+from roah_rsbb.ground.installed import shipped_folder
+from roah_rsbb.ground.params import BadParams
 from roah_rsbb.tools.competition.files import launch_text
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]

@@ -9,9 +9,9 @@ import time
 
 import pytest
 
-from roah_rsbb import platform
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.peer import Peer
+from roah_rsbb.ground import linux
 
 BROADCAST = "127.255.255.255"
 BOX = "127.0.0.1"
@@ -84,7 +84,7 @@ def test_the_time_of_a_datagram_is_that_of_its_arrival(peer, raw, port, inbox):
             """When a datagram arrives now, and a time between that and its reading."""
             raw.sendto(b"other", other.getsockname())
             select.select([other], [], [])
-            return time.time(), platform.receive(other)[2]
+            return time.time(), linux.receive(other)[2]
 
         # The system begins to note arrivals some time after the first socket asks for it; until then it notes readings.
         until = time.monotonic() + 20

@@ -16,7 +16,6 @@ from helpers.linked_world import FakeLink, World, assert_legal
 from helpers.random_events import ZONES, apply_event, random_competition, random_events
 from roah_rsbb.core import effects
 from roah_rsbb.core.link.timeline import Freshness, Timeline
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
 from roah_rsbb.core.views.document import Documents
@@ -30,6 +29,7 @@ from roah_rsbb.model.zone import IDLE
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.results.standings import public_standings
 from roah_rsbb.robot.machine import IllegalEvent
+from roah_rsbb.scoring.sheet import Mark
 
 
 def _check_records(driver, reported):

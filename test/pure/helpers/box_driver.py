@@ -7,7 +7,6 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import How
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
 from roah_rsbb.core.views.document import Documents
@@ -17,6 +16,7 @@ from roah_rsbb.model.messages import BoxMessage, RobotReport
 from roah_rsbb.model.records import Phase
 from roah_rsbb.model.referee import RunName
 from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.scoring.sheet import Mark
 
 MONO0 = 1000.0
 

@@ -1,6 +1,6 @@
 """Parameters from a dict."""
 
-from roah_rsbb.params import Params
+from roah_rsbb.ground.params import Params
 
 
 class DictParams(Params):

@@ -4,10 +4,10 @@ import pytest
 
 from helpers.commands import mark_with
 from helpers.competition import BUMPS, DOOR, competition, event
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.model.scoring import Agreement, JudgesRule
+from roah_rsbb.scoring.sheet import Mark
 
 
 def judged(count=2, agreement=Agreement.ALL_AGREE, items=(DOOR, BUMPS), **of_benchmark):

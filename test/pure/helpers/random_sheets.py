@@ -2,8 +2,6 @@
 
 from decimal import Decimal
 
-from roah_rsbb.core.scoring.points import text_of
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.model.scoring import (
     GroupLimits,
     ItemChoice,
@@ -14,6 +12,8 @@ from roah_rsbb.model.scoring import (
     SheetRules,
     TimeLeft,
 )
+from roah_rsbb.scoring.points import text_of
+from roah_rsbb.scoring.sheet import Mark
 
 TIME_LIMIT_S = 300.0
 

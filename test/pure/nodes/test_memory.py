@@ -6,10 +6,10 @@ import pytest
 
 from helpers.competition import BUMPS, competition, event
 from helpers.journaled import NO_LISTENING, JournaledDriver
-from roah_rsbb.core.scoring import book, unsaved
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.protocol import RobotState
+from roah_rsbb.scoring import book, unsaved
+from roah_rsbb.scoring.sheet import Mark
 
 KEPT = 5  # of the newest runs, the whole record
 RUNS = 40

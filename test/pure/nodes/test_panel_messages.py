@@ -8,10 +8,10 @@ import pytest
 import roah_rsbb
 from helpers.box_driver import BoxDriver
 from helpers.competition import UTC0, competition, event
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.model.referee import RunName
 from roah_rsbb.protocol import RobotState
+from roah_rsbb.scoring.sheet import Mark
 
 # The generated messages are in the build folder.
 _BUILT = pathlib.Path(__file__).parents[3] / "build" / "devel" / "lib" / "python3" / "dist-packages" / "roah_rsbb"

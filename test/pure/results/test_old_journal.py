@@ -10,8 +10,6 @@ import pytest
 
 from helpers.competition import OBJECTS, UTC0, competition, event
 from helpers.journaled import NO_LISTENING, JournaledDriver
-from roah_rsbb.core.scoring.counting import ANY, Why
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.views.schedule import schedule
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.model.clock import Now
@@ -20,6 +18,8 @@ from roah_rsbb.model.referee import RunName
 from roah_rsbb.results.program import main as program
 from roah_rsbb.results.standings import standings
 from roah_rsbb.rulebook.standing_rules import DEFAULT
+from roah_rsbb.scoring.counting import ANY, Why
+from roah_rsbb.scoring.sheet import Mark
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 OLD = ROOT / "test" / "data" / "journal_2026-11-23.log.xz"

@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 from helpers.competition import BUMPS, OBJECTS, UTC0, competition, event
 from helpers.examples import examples
 from helpers.journaled import NO_LISTENING, JournaledDriver
-from roah_rsbb.core.scoring.counting import RunChoice, Why, attempts_of, rulings
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.core.views.public import Publicity, PublicResults
 from roah_rsbb.core.views.schedule import schedule
@@ -33,6 +32,7 @@ from roah_rsbb.results.sheet import sheet_lines, sheet_page
 from roah_rsbb.results.standings import index_page, public_standings, standings
 from roah_rsbb.rulebook.benchmarks import CountingAttempt, EventRules, NoShow
 from roah_rsbb.rulebook.standing_rules import Criterion, OfRuns, Overall, Rules, StandingPart, StandingRules, Term
+from roah_rsbb.scoring.counting import RunChoice, Why, attempts_of, rulings
 from roah_rsbb.wording.counting import counting_text
 
 CODES, ZONES, TEAMS = ("HGTKMH", "HWV"), ("a", "b"), ("Alpha", "Beta")

@@ -9,8 +9,6 @@ import pytest
 
 from helpers.competition import UTC0
 from helpers.random_sheets import TIME_LIMIT_S, random_form, random_mark
-from roah_rsbb.core.scoring.book import RunBook
-from roah_rsbb.core.scoring.counting import exact
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import By, RunRecord, SignOff
 from roah_rsbb.model.saved import freeze, thaw
@@ -20,6 +18,8 @@ from roah_rsbb.results.runs import RunResult
 from roah_rsbb.results.sheet import sheet_lines, sheet_page
 from roah_rsbb.results.standings import RunChoice, number_text, standings
 from roah_rsbb.rulebook.benchmarks import Benchmark
+from roah_rsbb.scoring.book import RunBook
+from roah_rsbb.scoring.counting import exact
 from roah_rsbb.wording.sheets import points_text
 
 TEAMS = ("Alpha", "Beta", "Gamma")

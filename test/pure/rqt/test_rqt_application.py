@@ -37,7 +37,7 @@ node.connections.init_node = lambda *_, **__: print("registered")
 application.show(node.WindowNode(), "test", print)
 """
 LEAVING = """
-from roah_rsbb.platform import open_in_browser
+from roah_rsbb.ground.linux import open_in_browser
 from roah_rsbb.rqt.app.application import leave
 import pathlib
 

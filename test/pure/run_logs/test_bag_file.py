@@ -9,7 +9,7 @@ import pytest
 from helpers.bags import END, NAME, SCORE, STATE, TEXT, UTC, entries, plain, read, rosbag
 from helpers.journals import Writer
 from helpers.results_of import task_record
-from roah_rsbb import durable
+from roah_rsbb.ground import durable
 from roah_rsbb.journal import contents
 from roah_rsbb.journal import log as logs
 from roah_rsbb.journal import reader as readers

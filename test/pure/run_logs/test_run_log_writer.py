@@ -9,8 +9,8 @@ import pytest
 from helpers.bags import NAME, UUID, entries, plain, read
 from helpers.journals import Writer
 from helpers.results_of import task_record
-from roah_rsbb import platform
 from roah_rsbb.core.effects import RunClosed, RunOpened
+from roah_rsbb.ground import linux
 from roah_rsbb.journal.batch import Batch
 from roah_rsbb.results.bags import LOCK
 from roah_rsbb.run_logs import writer as writers
@@ -92,7 +92,7 @@ def test_missing_bags_of_earlier_runs_are_made(tmp_path):
 def test_a_trouble_is_reported_until_it_is_over(box, tmp_path, monkeypatch):
     monkeypatch.setattr(writers, "RETRY_S", 0.01)
     fd = os.open(str(tmp_path / LOCK), os.O_RDWR | os.O_CREAT)
-    platform.lock(fd)
+    linux.lock(fd)
     path, record = box.open(PORT)
     box.close(PORT, record)
     problem = box.news.get(timeout=LIMIT_S)

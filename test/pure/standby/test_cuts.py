@@ -22,13 +22,13 @@ from roah_rsbb.copies.follower import PERIOD_S, RETRY_S, Follower
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.copies import STANDBY, SYNC_S, CopyReport
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.file import FILE_NAME, CoreSession, Resume
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.model.scoring import ScoreKind
 from roah_rsbb.rulebook.benchmarks import Durable
+from roah_rsbb.scoring.sheet import Mark
 from roah_rsbb.standby.channel import TIMEOUT_S
 from roah_rsbb.standby.messages import decode, encode
 from roah_rsbb.standby.pair import Claim, Side, State

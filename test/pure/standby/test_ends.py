@@ -18,10 +18,10 @@ import roah_rsbb
 from helpers.copied import contents
 from helpers.journals import Writer
 from helpers.small_disk import CannotMount, SmallDisk
-from roah_rsbb import durable
 from roah_rsbb.copies.copy import CannotReadJournal
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.copies.segments import JournalSegments
+from roah_rsbb.ground import durable
 from roah_rsbb.journal import kinds, log
 from roah_rsbb.journal.epochs import raise_epoch, superseded_value
 from roah_rsbb.journal.file import FILE_NAME

@@ -14,7 +14,7 @@ from tornado import httpclient, websocket
 
 from helpers.http_clients import HOST, HttpClients
 from helpers.public_box import PublicBox, event, run
-from roah_rsbb import durable
+from roah_rsbb.ground import durable
 from roah_rsbb.rulebook.errors import Place, Report
 from roah_rsbb.tools.competition import certificate as maker
 from roah_rsbb.web import limits

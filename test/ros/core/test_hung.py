@@ -23,11 +23,11 @@ from support.waiting import LIMIT_S, wait_until
 
 from helpers.forms import answer_in, form
 from roah_rsbb.document.written import read
+from roah_rsbb.ground.signs_of_life import SIGN
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.file import FILE_NAME, holder_of
 from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.model.results import RunSheet
-from roah_rsbb.signs_of_life import SIGN
 
 HOME, ARENA = "Home", "Arena"
 ITEM = ("Penalized Behaviors", "Bumps into the furniture")

@@ -8,7 +8,6 @@ import unittest
 from helpers.forms import ODD
 from helpers.random_sheets import random_form, random_mark
 from roah_rsbb.bmbox.host.limits import MAX_LIST, MAX_TEXT
-from roah_rsbb.core.scoring.book import RunBook
 from roah_rsbb.core.views.sheets import sheet_items
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.fields import form_text
@@ -29,6 +28,7 @@ from roah_rsbb.msg import ModuleOutcome, ModuleRequest, ModuleRuns
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
 from roah_rsbb.nodes.core.score_convert import group_message, old_groups
 from roah_rsbb.nodes.modules.convert import modules_state_message, modules_state_of, runs_message, runs_of
+from roah_rsbb.scoring.book import RunBook
 
 GOAL = Request(
     2, RequestKind.GOAL, "Waypoint 1", form_text(ODD), "[1, 2, 3]", (1.0, -2.0, 3.0), (True, False), (2, 1), 15.5,

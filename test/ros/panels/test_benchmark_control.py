@@ -8,7 +8,6 @@ from support.fakes.core import FakeCore
 from support.gui_testing import QMessageBox, Qt, QTest, answer, click, limit, question, settle, wait_until
 from support.panel_case import BUMPS, DOOR, PanelCase
 
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.model.referee import RunName
 from roah_rsbb.rqt.model import calls
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
@@ -16,6 +15,7 @@ from roah_rsbb.rqt.qt import QLabel
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.with_ros.host import failure_text
 from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
+from roah_rsbb.scoring.sheet import Mark
 
 
 class TestBenchmarkControl(PanelCase):

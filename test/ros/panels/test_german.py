@@ -12,7 +12,6 @@ from support.panel_case import BUMPS, DOOR
 from support.window_case import WindowCase, is_closed
 
 from helpers import catalogues
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.rqt.qt import (
     QAbstractButton,
@@ -33,6 +32,7 @@ from roah_rsbb.rqt.qt import (
 from roah_rsbb.rqt.widgets.basic import FittedText, Notices
 from roah_rsbb.rqt.widgets.score_fields import NumberField
 from roah_rsbb.rqt.widgets.undo import UndoRow
+from roah_rsbb.scoring.sheet import Mark
 
 LANGUAGE = "de"
 # A shorter word is no sign of English.

@@ -8,12 +8,12 @@ from support.panel_case import BUMPS
 from support.window_case import WindowCase, in_sight
 
 from roah_rsbb.bmbox.hnf import HNF
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.model.records import ScoreValue
 from roah_rsbb.model.zone import RunClock
 from roah_rsbb.rqt.qt import QLabel, QPoint, QScrollArea, QStyle, Qt, QTabBar
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rulebook.config import load_benchmarks
+from roah_rsbb.scoring.sheet import Mark
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 CONFIG, SHOTS = ROOT / "config", ROOT / "build" / "screenshots"

@@ -7,11 +7,11 @@ from support.gui_testing import QApplication, QTest, click, wait_until
 from support.panel_case import PanelCase
 from support.window_case import WindowCase, in_sight
 
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.model.referee import RunName
 from roah_rsbb.model.scoring import ItemChoice, JuryResult, ScoreKind, ScoringItem
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
 from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
+from roah_rsbb.scoring.sheet import Mark
 
 OBJECTS = ScoringItem("Table", "Objects in the dishwasher", ScoreKind.UINT, Decimal(20), most=Decimal(5))
 EMPTY = ScoringItem("Table", "Table is empty", ScoreKind.BOOL, Decimal(30), needs=(OBJECTS.key,))

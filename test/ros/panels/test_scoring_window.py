@@ -6,12 +6,12 @@ from support.panel_case import BUMPS, DOOR
 from support.real_input import click_on, press_key
 from support.window_case import WindowCase, in_sight
 
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.rqt.panels.collapsing import MOST_ATTEMPTS
 from roah_rsbb.rqt.qt import QPushButton
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.keys_page import KeysDialog
 from roah_rsbb.rqt.widgets.undo import placed
+from roah_rsbb.scoring.sheet import Mark
 from roah_rsbb.wording import clock, times
 from roah_rsbb.wording.sheets import HistoryEntry
 

@@ -16,7 +16,6 @@ from support.gui_testing import (
 )
 from support.panel_case import BUMPS, DOOR, PanelCase
 
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.document.written import write
 from roah_rsbb.model.referee import RunName
 from roah_rsbb.model.results import RunLine, RunSheet
@@ -24,6 +23,7 @@ from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.model.fetched import Sheets
 from roah_rsbb.rqt.panels import benchmark_control, scoring
 from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
+from roah_rsbb.scoring.sheet import Mark
 
 
 def opened(kind: type):

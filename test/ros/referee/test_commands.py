@@ -25,9 +25,9 @@ from support.referee_program import Referee, called, referee
 from support.waiting import LIMIT_S, wait_until
 
 from roah_rsbb.client import places as place
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.document.place import write_place
 from roah_rsbb.referee import link
+from roah_rsbb.scoring.sheet import Mark
 
 # The time limit for what never answers.
 SOON_S = 0.5

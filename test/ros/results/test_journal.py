@@ -13,9 +13,9 @@ from support.programs import own
 from support.robots import host_of
 from support.waiting import LIMIT_S, wait_until
 
+from roah_rsbb.ground.installed import shipped_folder
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
-from roah_rsbb.shipped import shipped_folder
 
 ZONE = "Home"
 DOOR = ("Achievements", "Detects the door whose state has changed")

@@ -4,7 +4,7 @@ import json
 import os
 from typing import Dict, List
 
-from roah_rsbb import durable
+from roah_rsbb.ground import durable
 from support.box_case import PACKAGE
 from support.programs import Program, own
 from support.robots import BROADCAST, PASSWORDS, RSBB_PORT, host_of

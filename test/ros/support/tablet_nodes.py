@@ -7,8 +7,8 @@ from typing import Callable, Tuple
 
 import rospy
 
-from roah_rsbb.params import KnownParams
-from roah_rsbb.shipped import shipped_folder
+from roah_rsbb.ground.installed import shipped_folder
+from roah_rsbb.ground.params import KnownParams
 from roah_rsbb.tablet.tablet_page import TabletPage
 from support.robots import BROADCAST
 from support.waiting import LIMIT_S, wait_until

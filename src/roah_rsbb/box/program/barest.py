@@ -15,16 +15,16 @@ import threading
 from functools import partial
 from typing import List, Mapping
 
-from roah_rsbb import platform
 from roah_rsbb.comm.channels import MakePeer, PrivateChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.comm.sockets import ANY_HOST, OpenError
 from roah_rsbb.document.place import OnlyStops, read_place, write_place
+from roah_rsbb.ground import linux
+from roah_rsbb.ground.signs_of_life import CHANNEL, DOORS, WEB_PORT, Lifeline
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.signs_of_life import CHANNEL, DOORS, WEB_PORT, Lifeline
 
 LOOK_S = 0.05
 # Between two lines on the terminal.
@@ -150,8 +150,8 @@ def main(_arguments: object = None) -> None:
     """Run the program, which the supervisor starts."""
     logging.basicConfig(format="%(asctime)s %(levelname)s %(message)s", datefmt="%H:%M:%S %Z")
     logging.raiseExceptions = False
-    platform.ignore_stops()
-    platform.end_with_parent()  # the program that follows it may start a full core
+    linux.ignore_stops()
+    linux.end_with_parent()  # the program that follows it may start a full core
     loop, lifeline = asyncio.new_event_loop(), Lifeline()
     asyncio.set_event_loop(loop)
     robots = open_robots(loop, lifeline.kept)
@@ -159,7 +159,7 @@ def main(_arguments: object = None) -> None:
     warning = threading.Thread(target=_warn_clients, args=(doors,), daemon=True)
     warning.start()
     working = loop.create_task(work(lifeline, robots))
-    platform.on_end(loop, working.cancel)
+    linux.on_end(loop, working.cancel)
     with contextlib.suppress(asyncio.CancelledError):
         with contextlib.suppress(OSError, ValueError, KeyError):
             loop.run_until_complete(asyncio.start_server(

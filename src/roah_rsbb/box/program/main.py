@@ -16,10 +16,10 @@ import sys
 import textwrap
 from typing import TYPE_CHECKING, Any, Callable, List, Optional, Sequence
 
-from roah_rsbb.arguments import Parser, called, without_ros
-from roah_rsbb.durable import close_to_others
-from roah_rsbb.log_lines import LogLines
-from roah_rsbb.params import BadParams
+from roah_rsbb.ground.arguments import Parser, called, without_ros
+from roah_rsbb.ground.durable import close_to_others
+from roah_rsbb.ground.loop import LogLines
+from roah_rsbb.ground.params import BadParams
 from roah_rsbb.wording.times import Moments, has_zone
 
 if TYPE_CHECKING:
@@ -91,8 +91,8 @@ def serve(make: Callable[["asyncio.AbstractEventLoop"], Any], work: Callable[[An
     # Imported late: the supervisor, help or a wrong setting need none of it.
     import asyncio
 
+    from roah_rsbb.ground.linux import end_loop, on_end
     from roah_rsbb.journal.file import DamagedJournal
-    from roah_rsbb.platform import end_loop, on_end
     from roah_rsbb.rulebook.errors import ConfigErrors
 
     loop = asyncio.new_event_loop()

@@ -27,8 +27,6 @@ import threading
 import time
 from typing import IO, Any, Callable, Dict, List, Optional, Sequence, Set, Tuple, Type
 
-from roah_rsbb import platform
-from roah_rsbb.arguments import without_ros
 from roah_rsbb.bmbox import framework
 from roah_rsbb.bmbox import host as host_folder
 from roah_rsbb.bmbox.framework.module import Module
@@ -38,6 +36,8 @@ from roah_rsbb.bmbox.host.ground_truth_of_frames import Frames, NoFrames, ZonesG
 from roah_rsbb.bmbox.host.host import ModulesHost
 from roah_rsbb.bmbox.host.limits import checked_state
 from roah_rsbb.bmbox.host.watched_file import signature
+from roah_rsbb.ground import linux
+from roah_rsbb.ground.arguments import without_ros
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, RunForModule
 from roah_rsbb.model.reason import Template, say
 from roah_rsbb.model.saved import BadState, freeze, thaw
@@ -109,7 +109,7 @@ class ModulesProcess:
         if self._process is not None:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._process.wait(END_S)  # its input has ended
-            platform.end_with_children(self._process)
+            linux.end_with_children(self._process)
             self._process.wait()
         self._traces.remove()
 
@@ -126,7 +126,7 @@ class ModulesProcess:
             self._hung = process
         if is_hung or (process.poll() is not None and process is not self._swept):
             self._swept = process
-            platform.end_with_children(process)
+            linux.end_with_children(process)
 
     def _serve(self) -> None:
         """In a thread: keep a process."""
@@ -357,7 +357,7 @@ def main(arguments: Optional[List[str]] = None, make_frames: Callable[[], Frames
     parser.add_argument("--traces", required=True)
     parser.add_argument("--without", action="append", default=[])
     options = parser.parse_args(arguments)
-    platform.end_with_parent()
+    linux.end_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the box ends this process
     reading, writing = _private_streams()
     output = _Output(writing)

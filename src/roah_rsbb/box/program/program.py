@@ -12,7 +12,6 @@ import os
 import pathlib
 from typing import Any, BinaryIO, Callable, Coroutine, List, Optional, Sequence
 
-from roah_rsbb import platform
 from roah_rsbb.box.calls import exit_call
 from roah_rsbb.box.parameters import parameters_of
 from roah_rsbb.box.program.parts import LOOPBACK, ControlledDevices, DrivenModules, Sounds, WebParts
@@ -27,11 +26,12 @@ from roah_rsbb.copies.settings import copy_settings
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.document.calls import EXIT
 from roah_rsbb.document.place import NotFound, read_place, write_place
+from roah_rsbb.ground import linux
+from roah_rsbb.ground.linux import open_in_browser
+from roah_rsbb.ground.params import BadParams, Params
+from roah_rsbb.ground.signs_of_life import DOORS, Lifeline
 from roah_rsbb.model.zone import RUNNING
-from roah_rsbb.params import BadParams, Params
-from roah_rsbb.platform import open_in_browser
 from roah_rsbb.radio.radio import Network
-from roah_rsbb.signs_of_life import DOORS, Lifeline
 from roah_rsbb.web.pairing import CODE_VALID_S
 
 # How often it is checked whether the supervisor is there, and whether the file of the door is.
@@ -84,7 +84,7 @@ class BoxProgram:
         """`launch`: identifies the supervisor (`resume:=launch`), or the launch. `is_dummy`: a demonstration, see
         `DrivenModules`. `lifeline`: one for any log_dir. Raises `BadParams`, `ConfigErrors`, `DamagedJournal` or
         OSError: their text is the remedy."""
-        platform.allow_many_files()
+        linux.allow_many_files()
         self._bridge = bridge = bridge or Bridge()
         params = parameters_of(settings)
         self._modules: Optional[DrivenModules] = None
@@ -263,7 +263,7 @@ def _locked(path: str, network: Network) -> BinaryIO:
     """Lock a file; returns it. Raises `BadParams` if another box has it, or OSError."""
     file = open(path, "ab")  # noqa: SIM115
     try:
-        platform.lock(file.fileno())
+        linux.lock(file.fileno())
     except BlockingIOError:
         file.close()
         raise BadParams(f"another box of this user is at {network.bind_host}, UDP port {network.rsbb_port}: end it, or "

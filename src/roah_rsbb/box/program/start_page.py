@@ -16,11 +16,11 @@ from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from tornado import web
 
-from roah_rsbb.arguments import without_ros
 from roah_rsbb.box.settings import LAUNCH
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE
-from roah_rsbb.platform import on_end, open_in_browser
-from roah_rsbb.shipped import shipped_folder
+from roah_rsbb.ground.arguments import without_ros
+from roah_rsbb.ground.installed import shipped_folder
+from roah_rsbb.ground.linux import on_end, open_in_browser
 from roah_rsbb.web.serving import BoundedServer, bind
 from roah_rsbb.wording import catalogues
 from roah_rsbb.wording.device import StartWords as words

@@ -19,11 +19,11 @@ import time
 import uuid
 from typing import Callable, List, Mapping, Optional, Sequence
 
-from roah_rsbb.arguments import without_ros
 from roah_rsbb.copies.settings import PARENT, CopySettings
-from roah_rsbb.params import BadParams
-from roah_rsbb.platform import ending_signals, ignore_stops, status_of
-from roah_rsbb.signs_of_life import (
+from roah_rsbb.ground.arguments import without_ros
+from roah_rsbb.ground.linux import ending_signals, ignore_stops, status_of
+from roah_rsbb.ground.params import BadParams
+from roah_rsbb.ground.signs_of_life import (
     HUNG_S,
     LOG_DIR,
     LOOK_S,

@@ -5,7 +5,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.candidates import Candidates
 from roah_rsbb.core.connections import Connections
-from roah_rsbb.core.scoring.desk import ScoreDesk
+from roah_rsbb.core.score_desk import ScoreDesk
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.clock import Now

@@ -4,15 +4,15 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple
 
 from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.actions.table import Target, is_plain
-from roah_rsbb.core.judges.desk import JudgeDesk
-from roah_rsbb.core.scoring.desk import ScoreDesk
-from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.core.judge_desk import JudgeDesk
+from roah_rsbb.core.score_desk import ScoreDesk
 from roah_rsbb.core.zones import Zones
 from roah_rsbb.model import fields
 from roah_rsbb.model.actions import ENTRIES, JUDGE_MARK, JUDGES, MARK
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.referee import Refused, RunName
+from roah_rsbb.scoring.sheet import Mark
 
 NO_VALUE = say("The item gets no value: give its value, or say that it was not attempted")
 # Fields whose journal has another name than calls.

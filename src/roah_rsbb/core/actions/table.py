@@ -9,7 +9,7 @@ from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.candidates import Candidates
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.effects import Outbox
-from roah_rsbb.core.scoring.desk import ScoreDesk
+from roah_rsbb.core.score_desk import ScoreDesk
 from roah_rsbb.core.zones import Zone, Zones
 from roah_rsbb.model import fields
 from roah_rsbb.model.actions import ACTIONS, EVERY, STOP

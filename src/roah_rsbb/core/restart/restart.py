@@ -16,8 +16,6 @@ from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.effects import Level, Outbox
 from roah_rsbb.core.link.heard import HeardState
 from roah_rsbb.core.runs.run import UnrecordedStop
-from roah_rsbb.core.scoring.book import FinishedRuns, left_behind
-from roah_rsbb.core.scoring.counting import with_events
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import Zone, Zones, ZoneState, is_same
 from roah_rsbb.model.clock import Now
@@ -25,6 +23,8 @@ from roah_rsbb.model.messages import DevicesState, TabletState
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import Phase, RunRecord
 from roah_rsbb.rulebook.benchmarks import Config, ScheduledEvent, ZonePlan
+from roah_rsbb.scoring.book import FinishedRuns, left_behind
+from roah_rsbb.scoring.counting import with_events
 from roah_rsbb.wording import times
 
 RESTARTED = say("The core was restarted at {time}, {down} s after its last record")

@@ -27,13 +27,13 @@ from roah_rsbb.core.runs.run import (
     ZoneRun,
 )
 from roah_rsbb.core.runs.times import RunTimes
-from roah_rsbb.core.scoring.book import BookState
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.model.reason import joined, say
 from roah_rsbb.model.records import NOBODY, By, EndReason, Phase
 from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook.benchmarks import NO_RULES
+from roah_rsbb.scoring.book import BookState
 
 # *Start* waits this long for robots that have not answered or stopped yet.
 SETTLE_S = SILENT_S

@@ -10,11 +10,11 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.runs.clock import CountdownState
 from roah_rsbb.core.runs.phases import RunEvent
 from roah_rsbb.core.runs.run import Run, RunContext, UnrecordedStop, ZoneRun, ZoneRunState, identity_of
-from roah_rsbb.core.scoring.book import BookState
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import NOBODY, By, EndReason, Phase
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent
+from roah_rsbb.scoring.book import BookState
 
 OPENED, STARTED = say("Score sheet opened without a robot"), say("Started by the referee")
 BY_HAND = say("Without a robot: only the referee starts and stops the clock")

@@ -15,7 +15,6 @@ from roah_rsbb.core.modules.texts import goal_json, result_text, scores_json
 from roah_rsbb.core.runs.machine import Reaction, react
 from roah_rsbb.core.runs.requests import GOAL_OVERHEAD, GoalState, NumberedSwitches, RunningGoal, SwitchesState
 from roah_rsbb.core.runs.run import CONTINUED, EXECUTING, FELL_BACK, Assignment, Run, RunContext, RunState
-from roah_rsbb.core.scoring.book import Marked
 from roah_rsbb.model import run_log
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import RobotReport
@@ -33,6 +32,7 @@ from roah_rsbb.model.records import NOBODY, By, EndReason, Phase, ScoreValue
 from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT
 from roah_rsbb.rulebook.registry import ResultForm
+from roah_rsbb.scoring.book import Marked
 
 # No benchmark has more steps. A module with more is out of control.
 MAX_STEPS = 2000

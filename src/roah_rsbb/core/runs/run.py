@@ -25,8 +25,6 @@ from roah_rsbb.core.runs.online_data import MAX_SAID, Said, Strings, StringsBudg
 from roah_rsbb.core.runs.phases import RunEvent, following
 from roah_rsbb.core.runs.requests import RunningGoal
 from roah_rsbb.core.runs.times import BY_REFEREE, RunTimes, TimesState
-from roah_rsbb.core.scoring.book import BookState, Marked, RunBook
-from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, value_text
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model import run_log
 from roah_rsbb.model.clock import Now
@@ -36,6 +34,8 @@ from roah_rsbb.model.records import NOBODY, By, EndReason, ItemRecord, Outage, P
 from roah_rsbb.model.scoring import WHOLE
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Restarts, ScheduledEvent
+from roah_rsbb.scoring.book import BookState, Marked, RunBook
+from roah_rsbb.scoring.sheet import Mark, ScoreSheet, value_text
 from roah_rsbb.wording import sheets, stop, times
 
 # Types whose values are whole numbers, which `Score` holds.

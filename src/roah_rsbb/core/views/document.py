@@ -3,7 +3,6 @@
 from typing import Dict, Mapping, Optional, Sequence, Tuple, TypeVar
 
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.scoring.counting import Why
 from roah_rsbb.core.views import sheets, views
 from roah_rsbb.core.views.public import NOTHING_ALLOWED, Publicity, PublicViews
 from roah_rsbb.core.views.schedule import EventLine, ScheduleView, events_shown
@@ -13,6 +12,7 @@ from roah_rsbb.model.judging import Judging
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.model.results import RunLine, UnsavedParts
+from roah_rsbb.scoring.counting import Why
 
 # Until an end of a run is on all disks on which it must be.
 END_UNSAVED = say("The end of the run is not recorded yet: write it down until this line is gone")

@@ -11,8 +11,6 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.online_data import MAX_SAID
 from roah_rsbb.core.runs.run import ZoneRun
-from roah_rsbb.core.scoring.book import FinishedRun
-from roah_rsbb.core.scoring.counting import RunChoice
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.modules import OutcomeKind, RequestKind
@@ -32,6 +30,8 @@ from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.rulebook.registry import GoalForm
 from roah_rsbb.rulebook.standing_rules import StandingRules
+from roah_rsbb.scoring.book import FinishedRun
+from roah_rsbb.scoring.counting import RunChoice
 
 # No screen has space for more.
 MAX_FOLLOWING = 40

@@ -12,13 +12,13 @@ import math
 from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.scoring.counting import EventResult
 from roah_rsbb.core.views.sheets import sums_of_record
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import RAN_TO_THE_END, Phase, RunRecord
 from roah_rsbb.model.schedule import EventSeen
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent, ZonePlan
+from roah_rsbb.scoring.counting import EventResult
 
 # The longest time in seconds in which the next robot gets ready. A longer gap is a break.
 SETUP_S = 900.0

@@ -4,10 +4,7 @@ import json
 import zlib
 from typing import Iterable, List, Optional, Sequence, Tuple
 
-from roah_rsbb.core.judges.desk import RunJudging
-from roah_rsbb.core.judges.judges import ItemVerdict
-from roah_rsbb.core.scoring.counting import Why
-from roah_rsbb.core.scoring.points import text_of
+from roah_rsbb.core.judge_desk import RunJudging
 from roah_rsbb.model.judging import (
     AGREED,
     DIFFER,
@@ -26,6 +23,9 @@ from roah_rsbb.model.results import HistoryEntry, RunEnd, RunLine, RunSheet
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.model.scoring import Number, ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.model.zone import SheetItem
+from roah_rsbb.scoring.counting import Why
+from roah_rsbb.scoring.judges import ItemVerdict
+from roah_rsbb.scoring.points import text_of
 from roah_rsbb.wording.module_scores import readable
 from roah_rsbb.wording.sheets import GroupOfValues, author, points_said, sums_text
 

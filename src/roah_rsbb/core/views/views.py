@@ -8,7 +8,6 @@ from roah_rsbb.core.runs.all_robots import AllRobotsRun
 from roah_rsbb.core.runs.by_hand import HandRun
 from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.run import Run, ZoneRun
-from roah_rsbb.core.scoring.points import CountedSheet
 from roah_rsbb.core.views.sheets import sheet_items
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.clock import Now
@@ -20,6 +19,7 @@ from roah_rsbb.model.results import UnsavedParts
 from roah_rsbb.model.zone import LATELY_S, AllRobots, Count, Event, RobotInRun, RunClock, SheetItem, Switches, ZoneSeen
 from roah_rsbb.protocol import wire_seconds
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, Restarts, ScheduledEvent
+from roah_rsbb.scoring.points import CountedSheet
 
 LISTENS = say("Listening for another box before transmitting: {time} s")
 SEVERAL = say("Several robots of team {team} are active ({robots}): choose which one connects")

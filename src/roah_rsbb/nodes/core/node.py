@@ -22,10 +22,10 @@ from roah_rsbb.box.program.main import log_to_terminal, serve
 from roah_rsbb.box.program.program import BoxProgram, Bridge
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.document.calls import InThread
-from roah_rsbb.durable import close_to_others
-from roah_rsbb.in_loop import call_in_loop
-from roah_rsbb.params import KnownParams, Params
-from roah_rsbb.signs_of_life import ROS_START, Lifeline
+from roah_rsbb.ground.durable import close_to_others
+from roah_rsbb.ground.loop import call_in_loop
+from roah_rsbb.ground.params import KnownParams, Params
+from roah_rsbb.ground.signs_of_life import ROS_START, Lifeline
 
 if TYPE_CHECKING:
     from roah_rsbb.nodes.core.ros_side import RosSide

@@ -11,10 +11,10 @@ import os
 import sys
 from typing import Mapping, Optional
 
-from roah_rsbb.arguments import WITH_ROS
 from roah_rsbb.copies.settings import CopySettings, copy_settings
-from roah_rsbb.params import KnownParams
-from roah_rsbb.signs_of_life import LIFELINE, ROS_START
+from roah_rsbb.ground.arguments import WITH_ROS
+from roah_rsbb.ground.params import KnownParams
+from roah_rsbb.ground.signs_of_life import LIFELINE, ROS_START
 
 
 def main() -> None:
@@ -25,8 +25,8 @@ def main() -> None:
     os.environ[WITH_ROS] = "1"
     if LIFELINE in os.environ or is_alone:
         gc.disable()  # what is imported is no garbage, and to search it again and again takes a fifth of the start
+        from roah_rsbb.ground.linux import end_with_parent
         from roah_rsbb.nodes.core.node import main as run_node
-        from roah_rsbb.platform import end_with_parent
 
         gc.freeze()
         gc.enable()
@@ -37,7 +37,7 @@ def main() -> None:
         run_node()
         return
     from roah_rsbb.box.program.supervisor import supervise
-    from roah_rsbb.durable import close_to_others
+    from roah_rsbb.ground.durable import close_to_others
 
     close_to_others()
     log_to_terminal()

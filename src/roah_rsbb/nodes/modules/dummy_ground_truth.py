@@ -22,10 +22,10 @@ from roah_rsbb.bmbox.framework.ground_truth import rotation
 from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, load
 from roah_rsbb.bmbox.framework.zone_folders import own_file, zone_folders
 from roah_rsbb.bmbox.host.dummy_frames import SeenMarker, seen_markers
+from roah_rsbb.ground.params import BadParams
 from roah_rsbb.model.modules import RunForModule
 from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.nodes.modules.convert import runs_of
-from roah_rsbb.params import BadParams
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.params import NodeParams
 from roah_rsbb.rulebook.errors import ConfigErrors

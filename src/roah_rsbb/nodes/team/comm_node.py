@@ -19,9 +19,9 @@ from google.protobuf import text_format
 
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.comm.passwords import password_in
+from roah_rsbb.ground.params import BadParams, Params
 from roah_rsbb.nodes.team.comm_interface import CommInterface, RobotRequests
 from roah_rsbb.nodes.team.generations import DEFAULT, GENERATIONS, report_refused, types_of
-from roah_rsbb.params import BadParams, Params
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import WireTime
 from roah_rsbb.robot import effects as fx

@@ -21,8 +21,8 @@ from std_msgs.msg import Empty, UInt32
 from std_msgs.msg import String as StringMsg
 from std_srvs.srv import Empty as EmptySrv
 
+from roah_rsbb.ground.params import BadParams
 from roah_rsbb.msg import BenchmarkState, GoalHGMF, GoalOMF
-from roah_rsbb.params import BadParams
 from roah_rsbb.protocol import PERCENTAGES
 from roah_rsbb.robot.dummy import PHASES, DummyOptions, DummyRobot
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result

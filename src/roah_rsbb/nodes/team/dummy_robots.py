@@ -13,8 +13,8 @@ import sys
 
 import rospy
 
+from roah_rsbb.ground.params import BadParams
 from roah_rsbb.nodes.team.dummy_glue import log_to_ros
-from roah_rsbb.params import BadParams
 from roah_rsbb.robot.client import RobotClient
 from roah_rsbb.robot.dummy import DummyOptions, dummy_client
 from roah_rsbb.ros import connections

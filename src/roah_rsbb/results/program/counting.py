@@ -4,7 +4,6 @@ import argparse
 import contextlib
 from typing import Dict, Iterable, List, Sequence, TypeVar, Union
 
-from roah_rsbb.core.scoring.counting import NOT_RUN_WORDS, Ruling, RunChoice, Why, attempts_of, rulings, with_events
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results.program.journal import BENCHMARKS_FILE, RULES_FILE, SCHEDULE_FILE, file, warn
@@ -13,6 +12,7 @@ from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import NO_RULES, Benchmark, CountingAttempt
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.standing_rules import OfRuns, StandingRules, read_rules
+from roah_rsbb.scoring.counting import NOT_RUN_WORDS, Ruling, RunChoice, Why, attempts_of, rulings, with_events
 
 T = TypeVar("T", RunRecord, RunHead)
 

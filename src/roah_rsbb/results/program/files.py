@@ -6,7 +6,6 @@ import os
 import sys
 from typing import Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Set, TextIO
 
-from roah_rsbb.core.scoring.counting import Why
 from roah_rsbb.journal.log import names_in
 from roah_rsbb.journal.processes import shared_out, usable_processors
 from roah_rsbb.journal.reader import JournalReader, journal_in
@@ -41,6 +40,7 @@ from roah_rsbb.results.sheet import sheet_page
 from roah_rsbb.results.standings import Standing, index_page, standing_lines, standings_page
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.standing_rules import Rules
+from roah_rsbb.scoring.counting import Why
 
 # The log_dir in the folder of a competition.
 LOG_FOLDER = "log"

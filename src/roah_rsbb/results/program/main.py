@@ -6,7 +6,8 @@ import os
 import sys
 from typing import Any, Callable, List, NoReturn, Optional
 
-from roah_rsbb.arguments import Parser, called
+from roah_rsbb.ground.arguments import Parser, called
+from roah_rsbb.ground.installed import NotShipped, shipped_folder
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.processes import ProcessEnded
 from roah_rsbb.journal.reader import JournalError
@@ -28,7 +29,6 @@ from roah_rsbb.results.run_list import list_lines
 from roah_rsbb.results.runs import NoSuchRun, RobotPart, RunResult, heads
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.run_logs.bag_file import write_bag, write_bags
-from roah_rsbb.shipped import NotShipped, shipped_folder
 
 LOG_DIR = "~/.ros/roah_rsbb"
 OF_RUNS = ("best", "mean", "median")  # `OfRuns`, without loading what reads its rules

@@ -3,9 +3,9 @@
 import statistics
 from typing import Callable, Dict, Hashable, Iterable, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
-from roah_rsbb.core.scoring.counting import attempts_of
 from roah_rsbb.results.report.facts import LinkFacts, RunFacts
 from roah_rsbb.rulebook.registry import PROFILES
+from roah_rsbb.scoring.counting import attempts_of
 
 Place = TypeVar("Place", bound=Hashable)
 

@@ -13,7 +13,7 @@ import threading
 import time
 from typing import Any, Callable, List, NoReturn
 
-from roah_rsbb.platform import remove_leads
+from roah_rsbb.ground.linux import remove_leads
 from roah_rsbb.ros import display
 from roah_rsbb.rqt import language
 from roah_rsbb.rqt.model.failures import log_failures

@@ -12,7 +12,7 @@ import sys
 import time
 from typing import List, NamedTuple, Optional
 
-from roah_rsbb.arguments import Parser
+from roah_rsbb.ground.arguments import Parser
 from roah_rsbb.ros import display
 
 RQT_MODULES = ("rqt_gui", "rqt_gui_py", "qt_gui")

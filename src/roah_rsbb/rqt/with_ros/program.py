@@ -4,7 +4,7 @@ import os
 import sys
 from functools import partial
 
-from roah_rsbb.arguments import Parser
+from roah_rsbb.ground.arguments import Parser
 from roah_rsbb.rqt.app.panel_list import PANELS
 
 WINDOW = "window"

@@ -17,7 +17,6 @@ import threading
 import time
 from typing import IO, Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence
 
-from roah_rsbb import platform
 from roah_rsbb.box.program.main import log_to_terminal
 from roah_rsbb.box.settings import BoxSettings, of_words
 from roah_rsbb.box.standing_by import wait_for_takeover
@@ -30,13 +29,14 @@ from roah_rsbb.copies.settings import PARENT, CopySettings, copy_settings
 from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, HELPER, STOPPED, Caller
 from roah_rsbb.document.place import DoorPlace, read_place
-from roah_rsbb.durable import close_to_others
+from roah_rsbb.ground import linux
+from roah_rsbb.ground.durable import close_to_others
+from roah_rsbb.ground.params import BadParams
+from roah_rsbb.ground.signs_of_life import Lifeline
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.reason import encode
 from roah_rsbb.model.referee import Refused
-from roah_rsbb.params import BadParams
-from roah_rsbb.signs_of_life import Lifeline
 from roah_rsbb.standby import codes
 from roah_rsbb.standby.box_end import BoxEnd
 from roah_rsbb.standby.herald import Herald
@@ -204,12 +204,12 @@ def _only_one(log_dir: str) -> IO[str]:
     until_mono = time.monotonic() + 2 * END_S
     while True:
         try:
-            platform.lock(file.fileno())
+            linux.lock(file.fileno())
             break
         except BlockingIOError:
             file.seek(0)
             pid, parent = map(int, (file.read() or "0 0").split())
-            is_left = platform.status_of(pid)[1:2] not in ([], [str(parent)])
+            is_left = linux.status_of(pid)[1:2] not in ([], [str(parent)])
             if not is_left or time.monotonic() > until_mono:
                 raise OSError(f"process {pid} copies the journal in {log_dir} already: end it, or wait until its box "
                               "has ended") from None
@@ -227,7 +227,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> None:
     close_to_others()
     log_to_terminal()
     ended, parent, lifeline = threading.Event(), _parent(), Lifeline()
-    for number in platform.ending_signals():  # a terminal sends them to all; this program ends after the box
+    for number in linux.ending_signals():  # a terminal sends them to all; this program ends after the box
         signal.signal(number, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: ended.set())
     values: Dict[str, str] = of_words(sys.argv[1:] if arguments is None else arguments)
@@ -242,7 +242,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> None:
     while not ended.wait(PERIOD_S) and left_s < LEFT_S:
         copying.report()
         # Without its parent, it copies and hands over as long as there is a box.
-        is_left = os.getppid() != parent and not platform.is_locked(journal_lock)
+        is_left = os.getppid() != parent and not linux.is_locked(journal_lock)
         left_s = left_s + PERIOD_S if is_left else 0.0
     copying.close()
     lock.close()

@@ -10,7 +10,7 @@ import sys
 import time
 from typing import List, Optional, Sequence
 
-from roah_rsbb.arguments import is_without_ros, without_ros
+from roah_rsbb.ground.arguments import is_without_ros, without_ros
 from roah_rsbb.standby.partners import is_standby
 
 GUARD = "guard"  # of `roah-rsbb`; not for users

@@ -16,10 +16,10 @@ import threading
 import time
 from typing import Callable, Optional, Tuple
 
+from roah_rsbb.ground.signs_of_life import CONNECTED, LOOK_S, STANDBY, TAKEN, Lifeline, Watch
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal import file as files
 from roah_rsbb.journal.log import NewerFormat
-from roah_rsbb.signs_of_life import CONNECTED, LOOK_S, STANDBY, TAKEN, Lifeline, Watch
 from roah_rsbb.standby.remote import CoreState
 
 # Seconds without a sign of life of any core, after which the box hands over: if nobody starts another core,

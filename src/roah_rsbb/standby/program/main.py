@@ -20,10 +20,10 @@ import threading
 import time
 from typing import Any, Dict, Iterator, List, Optional, Sequence, TextIO, Tuple
 
-from roah_rsbb import durable, platform
-from roah_rsbb.arguments import Parser, called, is_without_ros, number, read_by, typed, without_ros
 from roah_rsbb.comm import sockets
 from roah_rsbb.copies.folder import drop_drafts
+from roah_rsbb.ground import durable, linux
+from roah_rsbb.ground.arguments import Parser, called, is_without_ros, number, read_by, typed, without_ros
 from roah_rsbb.journal import epochs, in_force
 from roah_rsbb.journal.contents import open_journal
 from roah_rsbb.journal.file import FILE_NAME
@@ -172,7 +172,7 @@ def _code(_options: argparse.Namespace, folder: str) -> int:
 
 def _runs_in(folder: str) -> bool:
     """Whether a box runs with this log_dir."""
-    return platform.is_locked(os.path.join(folder, f"{FILE_NAME}.lock"))
+    return linux.is_locked(os.path.join(folder, f"{FILE_NAME}.lock"))
 
 
 def _check_owner(folder: str) -> None:
@@ -348,7 +348,7 @@ def _give_back_address(folder: str) -> None:
 def _check_unused(folder: str) -> None:
     for name in (LOCK, f"{FILE_NAME}.lock"):
         lock = os.path.join(folder, name)
-        if platform.is_locked(lock):
+        if linux.is_locked(lock):
             raise Denied(f"another program uses {folder} (process {_noted_pid(lock) or 'unknown'}): end it first. If "
                          "it is the box, end that")
 
@@ -358,7 +358,7 @@ def _locked(folder: str) -> Iterator[TextIO]:
     """Note that this program keeps the copy, also while the box is not connected. Raises `Denied`."""
     with open(os.path.join(folder, LOCK), "a", encoding="ascii") as file:
         try:
-            platform.lock(file.fileno())
+            linux.lock(file.fileno())
         except BlockingIOError:
             raise Denied(f"another program keeps the copy in {folder}: end it first") from None
         with contextlib.suppress(OSError):  # a standby whose disk is full is one, too
@@ -432,7 +432,7 @@ def _status_of_box(standby: Optional[PairedStandby], standing: epochs.BoxEpoch) 
 def _status_of_standby(folder: str, box: PairedBox) -> Iterator[str]:
     answer = "answers" if is_alive(box, ALIVE_S) else "does not answer"
     yield f"This computer is the standby of the box at {box.host}, which {answer}"
-    is_kept = platform.is_locked(os.path.join(folder, LOCK))
+    is_kept = linux.is_locked(os.path.join(folder, LOCK))
     yield "The copy is kept" if is_kept else "The copy is not kept: start 'standby follow'"
     if _has_journal(folder):
         yield last_moment(folder)
@@ -482,7 +482,7 @@ def _takeover(options: argparse.Namespace, folder: str) -> int:
 
 def _is_running_box(folder: str, standby: Optional[PairedStandby]) -> bool:
     """Whether this computer took over before, and its box runs."""
-    return standby is not None and platform.is_locked(os.path.join(folder, f"{FILE_NAME}.lock"))
+    return standby is not None and linux.is_locked(os.path.join(folder, f"{FILE_NAME}.lock"))
 
 
 def _take_address_or_refuse(folder: str, box: PairedBox) -> None:
@@ -610,7 +610,7 @@ def end_follower(folder: str) -> None:
     """End the program that keeps the copy. Raises `Denied`."""
     paths = [os.path.join(folder, name) for name in (LOCK, f"{FILE_NAME}.lock")]
     deadline, asked = time.monotonic() + END_S, 0
-    while any(map(platform.is_locked, paths)):
+    while any(map(linux.is_locked, paths)):
         pid = next(filter(None, map(_holder, paths)), 0)
         if not pid or time.monotonic() > deadline:
             raise Denied(f"another program uses the copy in {folder} (process {pid}): end it first")

@@ -13,8 +13,8 @@ from http.client import HTTPException
 from typing import Any, Callable, List, Optional, Sequence
 from xml.parsers.expat import ExpatError
 
-from roah_rsbb.arguments import is_without_ros
 from roah_rsbb.client.places import MASTER_URI
+from roah_rsbb.ground.arguments import is_without_ros
 from roah_rsbb.standby.program.guard import guarded
 from roah_rsbb.tools import launched
 

@@ -15,9 +15,9 @@ import threading
 import time
 from typing import Iterator, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.arguments import is_without_ros, typed, without_ros
 from roah_rsbb.client.places import OWN_VARIABLE
 from roah_rsbb.core.box import SUPERSEDED
+from roah_rsbb.ground.arguments import is_without_ros, typed, without_ros
 
 BOX, STANDBY, ROBOT, BROADCAST = "127.0.0.21", "127.0.0.22", "127.0.0.23", "127.255.255.255"
 TEAM, PASSWORD, ZONE = "TestingTeam", "PASSWORD", "Testing TestingTeam"

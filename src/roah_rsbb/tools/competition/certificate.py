@@ -17,7 +17,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
-from roah_rsbb import durable
+from roah_rsbb.ground import durable
 from roah_rsbb.rulebook.errors import Place, Report, quote
 from roah_rsbb.tools.interfaces import interfaces
 

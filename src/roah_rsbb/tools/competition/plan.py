@@ -18,7 +18,7 @@ from typing import (
     Tuple,
 )
 
-from roah_rsbb import platform
+from roah_rsbb.ground import linux
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_LIMIT, Benchmark
 from roah_rsbb.rulebook.config import ZONE_SHAPE
 from roah_rsbb.rulebook.errors import Place, Report, quote
@@ -108,7 +108,7 @@ def read_clock(report: Report, place: Place, text: str) -> Optional[VenueClock]:
 
 def local_zone() -> str:
     """Return the name of this computer's time zone, or its offset if it has no other one; empty: not known."""
-    name = platform.time_zone()
+    name = linux.time_zone()
     if zone_of(name) is not None:
         return name
     sign, minutes = "-" if time.timezone > 0 else "+", abs(time.timezone) // 60

@@ -9,8 +9,8 @@ import shlex
 import sys
 from typing import Callable, Dict, List, Optional, Sequence, Set, Tuple
 
-from roah_rsbb.arguments import Parser, called, is_without_ros
-from roah_rsbb.core.scoring.counting import with_events
+from roah_rsbb.ground.arguments import Parser, called, is_without_ros
+from roah_rsbb.ground.installed import shipped_folder
 from roah_rsbb.journal.reader import JournalError, JournalReader, journal_in
 from roah_rsbb.results.runs import heads
 from roah_rsbb.rulebook import config
@@ -18,7 +18,7 @@ from roah_rsbb.rulebook.benchmarks import ZonePlan
 from roah_rsbb.rulebook.config import BenchmarksFile, PasswordsFile
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, listing, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind
-from roah_rsbb.shipped import shipped_folder
+from roah_rsbb.scoring.counting import with_events
 from roah_rsbb.tools.competition import answers, certificate, files, rulebooks
 from roah_rsbb.tools.competition.answers import Missing, known_answers, questions
 from roah_rsbb.tools.competition.check import check

@@ -7,8 +7,8 @@ from typing import Any
 from roah_rsbb.document.calls import Caller, InThread
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.web_calls import PAIR, PAIRED, REVOKE
-from roah_rsbb.qr_code import modules_of
 from roah_rsbb.web.pairing import ORGANISER
+from roah_rsbb.web.qr_code import modules_of
 from roah_rsbb.web.writing import OfOrganiser
 from roah_rsbb.wording.device import encryption_text, role_text
 from roah_rsbb.wording.language import tr

@@ -9,9 +9,9 @@ from helpers.config_files import SHIPPED
 from helpers.hosted_set_up import HostedSetUp, Timers
 from roah_rsbb.bmbox.host.ground_truth_of_frames import NoFrames, ZonesGroundTruth
 from roah_rsbb.bmbox.host.host import BEAT_S, ModulesHost, chosen_benchmarks
+from roah_rsbb.ground.params import BadParams, Params
 from roah_rsbb.model.modules import OutcomeKind, RequestOutcome, RunForModule, Step
 from roah_rsbb.model.records import EndReason
-from roah_rsbb.params import BadParams, Params
 
 RUN = RunForModule("HNF-1", 1, "North", "HNF", "Alpha", 1, 1, running=True)
 

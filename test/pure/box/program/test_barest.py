@@ -64,7 +64,7 @@ sys.exit(supervisor.supervise(command, command, lambda memory: settings if os.pa
 """
 BOX_PROGRAM = """
 import json, os, signal, sys, time
-from roah_rsbb.signs_of_life import Lifeline
+from roah_rsbb.ground.signs_of_life import Lifeline
 open("starts", "a").write("x")
 starts = len(open("starts").read())
 lifeline = Lifeline(os.getcwd())
@@ -258,7 +258,7 @@ def wait_for(process, text):
 # The program that copies says once, or all the time, what it knows of the standby.
 COPIES = """
 import time
-from roah_rsbb.signs_of_life import Lifeline
+from roah_rsbb.ground.signs_of_life import Lifeline
 lifeline = Lifeline()
 lifeline.keep("standby", "{says}")
 lifeline.send()

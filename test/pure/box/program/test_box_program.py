@@ -11,7 +11,6 @@ from types import SimpleNamespace
 import pytest
 
 from helpers.waiting import LIMIT_S, News
-from roah_rsbb import durable
 from roah_rsbb.box.in_process_client import InProcessClient
 from roah_rsbb.box.program import program
 from roah_rsbb.box.program.demo import settings
@@ -21,8 +20,9 @@ from roah_rsbb.client.places import OWN_VARIABLE
 from roah_rsbb.comm.memory import MemoryAir
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
 from roah_rsbb.document.place import read_place, write_place
+from roah_rsbb.ground import durable
+from roah_rsbb.ground.params import BadParams
 from roah_rsbb.model.zone import ENDED, IDLE, RUNNING
-from roah_rsbb.params import BadParams
 from roah_rsbb.robot.dummy import DummyOptions, dummy_client
 
 ZONE, TEAM = "Testing TestingTeam", "TestingTeam"

@@ -9,8 +9,8 @@ import pytest
 
 from roah_rsbb.box.program import modules_process
 from roah_rsbb.box.program.modules_process import OWN_NODE, ModulesProcess, modules_command
+from roah_rsbb.ground.installed import shipped_folder
 from roah_rsbb.model.modules import ModulesState, RunForModule
-from roah_rsbb.shipped import shipped_folder
 
 LIMIT_S = 60.0
 RULES = """

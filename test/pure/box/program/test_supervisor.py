@@ -101,7 +101,7 @@ def test_whoever_ends_the_supervisor_ends_the_box(supervised, tmp_path, number):
 
 def test_a_box_that_does_not_answer_is_replaced(supervised, tmp_path):
     process = supervised("""
-        from roah_rsbb.signs_of_life import Lifeline
+        from roah_rsbb.ground.signs_of_life import Lifeline
         if starts == 1:
             Lifeline(".").send()
             time.sleep(1000)
@@ -113,7 +113,7 @@ def test_a_box_that_does_not_answer_is_replaced(supervised, tmp_path):
 
 def test_after_a_crash_it_tries_until_the_box_runs_again(supervised, tmp_path):
     process = supervised("""
-        from roah_rsbb.signs_of_life import Lifeline
+        from roah_rsbb.ground.signs_of_life import Lifeline
         if starts == 1:
             Lifeline(".").send()
             os.kill(os.getpid(), signal.SIGKILL)
@@ -128,7 +128,7 @@ def test_after_a_crash_it_tries_until_the_box_runs_again(supervised, tmp_path):
 def test_the_journal_is_copied_from_the_first_sign_of_life_until_the_box_has_ended(supervised, tmp_path):
     """Whatever ends the program that copies, the next one is started."""
     process = supervised("""
-        from roah_rsbb.signs_of_life import Lifeline
+        from roah_rsbb.ground.signs_of_life import Lifeline
         ends, lifeline = [], Lifeline(".")
         signal.signal(signal.SIGTERM, lambda *_: ends.append(1))
         open("copying", "a").write("box ")

@@ -10,7 +10,6 @@ from helpers.competition import UTC0, competition, event
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.restart.restart import Saved
-from roah_rsbb.core.scoring.counting import Why, rulings
 from roah_rsbb.core.views.schedule import EventState, schedule
 from roah_rsbb.model.records import Phase
 from roah_rsbb.model.referee import Refused, RunName
@@ -19,6 +18,7 @@ from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import EventRules, ZonePlan
 from roah_rsbb.rulebook.changes import changes
 from roah_rsbb.rulebook.event_ids import adopted
+from roah_rsbb.scoring.counting import Why, rulings
 
 HOUR = 3600.0
 GLASS = ScoringItem("Achievements", "brings the glass", ScoreKind.BOOL)

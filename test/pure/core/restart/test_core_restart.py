@@ -19,7 +19,6 @@ from helpers.module_player import FakeModules
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.restart.restart import BoxSaved, Saved
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.zones import ZoneState
 from roah_rsbb.model.clock import Now
@@ -30,6 +29,7 @@ from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.saved import Anchor, freeze, thaw
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, PhaseRule, Restarts
+from roah_rsbb.scoring.sheet import Mark
 
 OLD_STATES = pathlib.Path(__file__).resolve().parents[3] / "data" / "journal_states.json"
 TEAMS = ("Alpha", "Beta", "Gamma", "Delta", "Epsilon")

@@ -8,13 +8,13 @@ from helpers.box_driver import BoxDriver, public_document
 from helpers.competition import DOOR, UTC0, competition, event
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.scoring.counting import Why
 from roah_rsbb.core.views.schedule import EventState, schedule
 from roah_rsbb.core.views.views import coming_events
 from roah_rsbb.model.records import EndReason
 from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
+from roah_rsbb.scoring.counting import Why
 
 TWO = {"tbm": [event(timeout=60.0), event("HWV", scheduled=UTC0 + 600)]}
 

@@ -8,8 +8,8 @@ import time
 import pytest
 
 from helpers.waiting import wait_until
-from roah_rsbb import platform
 from roah_rsbb.copies.settings import PARENT
+from roah_rsbb.ground import linux
 from roah_rsbb.journal import file as files
 from roah_rsbb.standby.program.copying import LOCK, _only_one
 
@@ -60,9 +60,9 @@ def test_without_supervisor_it_ends_when_no_box_writes_the_journal(supervisor, b
     supervisor.kill()
     supervisor.wait()
     time.sleep(1.0)  # far longer than it stays without a box
-    assert platform.is_locked(str(tmp_path / LOCK))
+    assert linux.is_locked(str(tmp_path / LOCK))
     os.close(box.fd)
-    wait_until(lambda: not platform.is_locked(str(tmp_path / LOCK)))
+    wait_until(lambda: not linux.is_locked(str(tmp_path / LOCK)))
 
 
 def test_one_whose_supervisor_was_killed_before_it_had_started_ends(tmp_path):

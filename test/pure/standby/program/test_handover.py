@@ -10,10 +10,10 @@ import pytest
 
 from helpers.journals import Writer
 from helpers.waiting import wait_until
+from roah_rsbb.ground.linux import is_locked
+from roah_rsbb.ground.signs_of_life import LOOK_S, STARTING, Lifeline
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.file import FILE_NAME, JournalInUse, lock
-from roah_rsbb.platform import is_locked
-from roah_rsbb.signs_of_life import LOOK_S, STARTING, Lifeline
 from roah_rsbb.standby.program.handover import HUNG_S, NOBODY_S, STARTING_S, Handover, Owner, is_due
 from roah_rsbb.standby.remote import CoreState
 
@@ -21,7 +21,7 @@ STANDBY = "10.1.0.3"
 CORE = """
 import sys
 from roah_rsbb.journal.file import lock
-from roah_rsbb.signs_of_life import Lifeline
+from roah_rsbb.ground.signs_of_life import Lifeline
 found = lock(sys.argv[1])
 Lifeline(sys.argv[1]).send()
 print(flush=True)

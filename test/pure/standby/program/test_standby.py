@@ -14,8 +14,8 @@ import pytest
 
 from helpers.copied import Copied, contents
 from helpers.journals import Writer
-from roah_rsbb import durable, platform
 from roah_rsbb.copies.folder import CopyFolder
+from roah_rsbb.ground import durable, linux
 from roah_rsbb.journal import epochs, log
 from roah_rsbb.journal.contents import open_journal
 from roah_rsbb.journal.file import FILE_NAME
@@ -348,7 +348,7 @@ class Keeping:
         write_box(folder, self.box)
 
     def note(self, what):
-        is_locked = platform.is_locked(os.path.join(self.folder, standby.LOCK))
+        is_locked = linux.is_locked(os.path.join(self.folder, standby.LOCK))
         self.happened.append((what, is_locked, is_standby(self.folder)))
 
     def keep(self):
@@ -383,7 +383,7 @@ def test_the_program_that_keeps_the_copy_has_ended_with_the_box_that_it_prepared
     keeping = Keeping(str(copied.stick), monkeypatch, takes_over=False)
     assert keeping.keep() == 0
     assert keeping.happened == [("prepared box ended", True, True)]
-    assert not platform.is_locked(str(copied.stick / standby.LOCK))
+    assert not linux.is_locked(str(copied.stick / standby.LOCK))
 
 
 def test_two_programs_that_keep_one_copy(copied):

@@ -25,8 +25,6 @@ from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs.run import ZoneRun
-from roah_rsbb.core.scoring.book import RunBook
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.document.calls import Call, InThread, Waiting, carried_out, waited
@@ -46,6 +44,8 @@ from roah_rsbb.model.zone import LATELY_S, AllRobots, RunClock, Switches, ZoneSe
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.ros import connections
 from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
+from roah_rsbb.scoring.book import RunBook
+from roah_rsbb.scoring.sheet import Mark
 
 TOKEN = "a token"
 TICK_S = 0.05

@@ -7,9 +7,9 @@ from collections import Counter
 from decimal import ROUND_HALF_UP, Decimal
 from typing import NamedTuple, Optional, Sequence
 
-from roah_rsbb.core.scoring.points import jury_text, whole_part
 from roah_rsbb.model.records import ItemRecord
 from roah_rsbb.model.scoring import NUMBERS, WHOLE, Agreement, JuryResult, ScoreKind, ScoringItem
+from roah_rsbb.scoring.points import jury_text, whole_part
 
 # How numbers become one. Answers that are no numbers are decided by the majority.
 _OF_NUMBERS = {

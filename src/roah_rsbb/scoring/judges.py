@@ -13,8 +13,6 @@ rule decides again. Verdicts therefore do not depend on the order in which the j
 from dataclasses import dataclass, field
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.judges.agreement import ItemValue, agreed, value_of
-from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import (
@@ -28,6 +26,8 @@ from roah_rsbb.model.records import (
 )
 from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.scoring import Key, ScoreKind, ScoringItem, SheetForm
+from roah_rsbb.scoring.agreement import ItemValue, agreed, value_of
+from roah_rsbb.scoring.sheet import Mark, ScoreSheet, SheetState
 from roah_rsbb.wording import sheets
 
 # More than a jury ever needs. The journal has each act in any case.

@@ -4,21 +4,21 @@ from typing import Callable, List, NamedTuple, Optional, Tuple, Union
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Outbox
-from roah_rsbb.core.judges.judges import ItemVerdict
 from roah_rsbb.core.runs.run import ZoneRun
-from roah_rsbb.core.scoring.book import FinishedRun, RunBook
-from roah_rsbb.core.scoring.desk import (
+from roah_rsbb.core.score_desk import (
     NAME_THE_RUN,
     STILL_CONNECTED,
     MarkOutcome,
     ScoreDesk,
     check_mark_id,
 )
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import By, ItemRecord, JudgeSheet, RunRecord
 from roah_rsbb.model.referee import Refused, RunName, checked_note, checked_who
 from roah_rsbb.model.scoring import SheetForm
+from roah_rsbb.scoring.book import FinishedRun, RunBook
+from roah_rsbb.scoring.judges import ItemVerdict
+from roah_rsbb.scoring.sheet import Mark
 
 
 class RunJudging(NamedTuple):

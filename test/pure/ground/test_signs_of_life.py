@@ -12,14 +12,14 @@ from unittest import mock
 import pytest
 
 from helpers.waiting import wait_until
-from roah_rsbb import signs_of_life
 from roah_rsbb.client.client import OLD_S
-from roah_rsbb.signs_of_life import HUNG_S, LOOK_S, STARTING, CoreSilence, Lifeline, Supervision, Watch
+from roah_rsbb.ground import signs_of_life
+from roah_rsbb.ground.signs_of_life import HUNG_S, LOOK_S, STARTING, CoreSilence, Lifeline, Supervision, Watch
 from roah_rsbb.web import server
 
 CORE = """
 import sys
-from roah_rsbb.signs_of_life import Lifeline
+from roah_rsbb.ground.signs_of_life import Lifeline
 signs = Lifeline(sys.argv[1])
 for line in sys.stdin:
     {"end": signs.end, "wait": signs.wait, "sign": signs.send}[line.strip()]()
@@ -299,7 +299,7 @@ def test_a_folder_that_others_can_write_is_not_used(tmp_path, monkeypatch):
 
 
 def test_the_socket_of_a_watcher_that_was_killed_is_replaced(tmp_path):
-    subprocess.run([sys.executable, "-c", "import sys; from roah_rsbb.signs_of_life import Watch; "
+    subprocess.run([sys.executable, "-c", "import sys; from roah_rsbb.ground.signs_of_life import Watch; "
                     "Watch(sys.argv[1], lambda: 0.0).look()", str(tmp_path)], check=True)
     watch = Watch(str(tmp_path), lambda: 0.0)
     watch.look()
@@ -313,7 +313,7 @@ def test_the_socket_of_a_watcher_that_was_killed_is_replaced(tmp_path):
 
 REMEMBERING = """
 import json, sys
-from roah_rsbb.signs_of_life import Lifeline
+from roah_rsbb.ground.signs_of_life import Lifeline
 lifeline = Lifeline("folder")
 print(json.dumps(lifeline.kept, sort_keys=True), flush=True)
 for line in sys.stdin:

@@ -5,7 +5,7 @@ import stat
 
 import pytest
 
-from roah_rsbb import durable
+from roah_rsbb.ground import durable
 
 
 def test_the_file_and_its_name_are_on_the_disk(tmp_path, monkeypatch):

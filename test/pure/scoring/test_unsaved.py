@@ -1,7 +1,7 @@
 """The parts of the runs' records that referees see as not saved yet."""
 
-from roah_rsbb.core.scoring.unsaved import SHOWN_AFTER_S, Unsaved, UnsavedParts
 from roah_rsbb.model.records import RunRecord, ScoreEntry, SignOff, StopRecord
+from roah_rsbb.scoring.unsaved import SHOWN_AFTER_S, Unsaved, UnsavedParts
 
 FIRST, SECOND = (ScoreEntry(n, 10.0 + n, "/referee", "Achievements", "Objects", 0, n) for n in (1, 2))
 STOP = StopRecord(20.0, "/referee", "stopped", "Stopped")

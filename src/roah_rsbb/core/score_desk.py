@@ -7,15 +7,15 @@ from roah_rsbb.core.actions.record import CommandRecord
 from roah_rsbb.core.effects import Level, Outbox
 from roah_rsbb.core.runs.phases import RunEvent, is_possible
 from roah_rsbb.core.runs.run import ZoneRun
-from roah_rsbb.core.scoring.book import FinishedRun, FinishedRuns, RunBook
-from roah_rsbb.core.scoring.counting import Counted, Counting, EventResult, Ruling, Why
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.zones import NOTHING_TO_STOP, Zone, Zones
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import By, ItemRecord, Phase, RunRecord
 from roah_rsbb.model.referee import Refused, RunName, checked_note, checked_who
 from roah_rsbb.rulebook.event_ids import key_of
+from roah_rsbb.scoring.book import FinishedRun, FinishedRuns, RunBook
+from roah_rsbb.scoring.counting import Counted, Counting, EventResult, Ruling, Why
+from roah_rsbb.scoring.sheet import Mark
 
 # Finished runs in the list of results: more than the runs of one day in any competition.
 MAX_LISTED = 100

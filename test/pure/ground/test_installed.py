@@ -12,7 +12,7 @@ SOURCE = pathlib.Path(roah_rsbb.__file__).resolve().parent
 
 def printed(python, **environment):
     """What a Python says of the package that it runs."""
-    return subprocess.run([str(python), "-c", "from roah_rsbb.replaced import replaced; print(replaced())"],
+    return subprocess.run([str(python), "-c", "from roah_rsbb.ground.installed import replaced; print(replaced())"],
                           env={**os.environ, **environment}, stdout=subprocess.PIPE, check=True,
                           text=True).stdout.strip()
 
@@ -25,8 +25,8 @@ def test_a_terminal_of_ros_is_detected(tmp_path):
     info = packages / "roah_rsbb_robot-0.1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: roah-rsbb-robot\nVersion: 0.1.0\n", encoding="utf-8")
-    (packages / "roah_rsbb").mkdir()
-    for name in ("__init__.py", "replaced.py"):
+    (packages / "roah_rsbb" / "ground").mkdir(parents=True)
+    for name in ("__init__.py", "ground/__init__.py", "ground/installed.py"):
         (packages / "roah_rsbb" / name).write_text((SOURCE / name).read_text("utf-8"), encoding="utf-8")
 
     assert printed(python, PYTHONPATH="") == ""

@@ -11,7 +11,7 @@ import time
 
 import pytest
 
-from roah_rsbb import durable, platform
+from roah_rsbb.ground import durable, linux
 
 TIMEOUT_S = 60.0
 
@@ -22,29 +22,29 @@ TIMEOUT_S = 60.0
 def test_a_locked_file_is_not_locked_again(tmp_path):
     path = str(tmp_path / "file")
     with open(path, "w+b", buffering=0) as one, open(path, "rb") as other:
-        platform.lock(one.fileno())
+        linux.lock(one.fileno())
         with pytest.raises(BlockingIOError):
-            platform.lock(other.fileno())
+            linux.lock(other.fileno())
     with open(path, "rb") as other:
-        platform.lock(other.fileno())
+        linux.lock(other.fileno())
 
 
 def test_whether_a_file_is_locked_is_known_without_a_lock(tmp_path, monkeypatch):
     path = str(tmp_path / "file")
-    assert not platform.is_locked(path)
+    assert not linux.is_locked(path)
     assert not os.path.exists(path)
     with open(path, "w+b") as file:
-        platform.lock(file.fileno())
-        assert platform.is_locked(path)
+        linux.lock(file.fileno())
+        assert linux.is_locked(path)
         os.chmod(path, 0o444)
-        assert platform.is_locked(path)
-    assert not platform.is_locked(path)
+        assert linux.is_locked(path)
+    assert not linux.is_locked(path)
 
     def no_locks(*_arguments):
         raise OSError(errno.EOPNOTSUPP, "this file system has no locks")
 
     monkeypatch.setattr("fcntl.flock", no_locks)
-    assert not platform.is_locked(path)
+    assert not linux.is_locked(path)
 
 
 def test_files_and_folders_are_synced(tmp_path, monkeypatch):
@@ -63,26 +63,26 @@ def test_files_that_others_may_read(tmp_path):
     path = tmp_path / "file"
     path.touch()
     path.chmod(0o600)
-    assert platform.open_to_others(str(path)) == 0
+    assert linux.open_to_others(str(path)) == 0
     path.chmod(0o640)
-    assert platform.open_to_others(str(path)) == 0o640
+    assert linux.open_to_others(str(path)) == 0o640
 
 
 # -- the computer and its processes -------------------------------------------------------------------
 
 
 def test_the_start_of_the_computer():
-    assert platform.boot_id() == pathlib.Path("/proc/sys/kernel/random/boot_id").read_text().strip()
+    assert linux.boot_id() == pathlib.Path("/proc/sys/kernel/random/boot_id").read_text().strip()
 
 
 def test_the_clock_that_runs_in_sleep():
     before = time.clock_gettime(time.CLOCK_BOOTTIME)
-    assert before <= platform.running_s() <= time.clock_gettime(time.CLOCK_BOOTTIME)
+    assert before <= linux.running_s() <= time.clock_gettime(time.CLOCK_BOOTTIME)
 
 
 def test_the_status_of_a_process():
-    assert platform.status_of(os.getpid())[0] in ("R", "S")
-    assert platform.status_of(1 << 30) == [""]
+    assert linux.status_of(os.getpid())[0] in ("R", "S")
+    assert linux.status_of(1 << 30) == [""]
 
 
 def test_a_process_ends_with_those_that_it_started():
@@ -91,9 +91,9 @@ def test_a_process_ends_with_those_that_it_started():
                                start_new_session=True)
     with process:
         assert process.stdout.readline() == b"ready\n"
-        platform.end_with_children(process)
+        linux.end_with_children(process)
         assert process.stdout.read() == b""
-    platform.end_with_children(process)  # it has ended already
+    linux.end_with_children(process)  # it has ended already
 
 
 # -- the loop -----------------------------------------------------------------------------------------
@@ -117,7 +117,7 @@ def kept_signals():
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_the_end_comes_into_the_loop(loop, kept_signals, number):
     ended = loop.create_future()
-    platform.on_end(loop, lambda: ended.set_result("ended"))
+    linux.on_end(loop, lambda: ended.set_result("ended"))
     loop.call_soon(os.kill, os.getpid(), number)
     assert loop.run_until_complete(asyncio.wait_for(ended, TIMEOUT_S)) == "ended"
     loop.remove_signal_handler(signal.SIGINT)
@@ -138,7 +138,7 @@ def test_input_comes_into_the_loop_until_its_end(loop):
             os.close(writing)
 
     with open(reading, "rb") as file:
-        platform.on_input(loop, file, take)
+        linux.on_input(loop, file, take)
         os.write(writing, b"one")
         loop.run_until_complete(asyncio.wait_for(ended, TIMEOUT_S))
     assert b"".join(came) == b"onetwo" and came.count(b"") == 1
@@ -146,14 +146,14 @@ def test_input_comes_into_the_loop_until_its_end(loop):
 
 def test_there_may_be_no_input(loop):
     with pytest.raises(ValueError, match="no input"):
-        platform.on_input(loop, None, print)
+        linux.on_input(loop, None, print)
 
 
 # -- sockets ------------------------------------------------------------------------------------------
 
 
 def test_interfaces():
-    assert ("lo", "127.0.0.1") in [(name, address) for name, address, _ in platform.interfaces()]
+    assert ("lo", "127.0.0.1") in [(name, address) for name, address, _ in linux.interfaces()]
 
 
 # -- the browser --------------------------------------------------------------------------------------
@@ -166,7 +166,7 @@ def test_other_users_do_not_see_the_address_that_a_browser_is_given(tmp_path):
                        f'{seen} && cat page.html >> {seen}\n')
     browser.chmod(0o700)
     subprocess.run(
-        [sys.executable, "-c", "from roah_rsbb.platform import open_in_browser\n"
+        [sys.executable, "-c", "from roah_rsbb.ground.linux import open_in_browser\n"
          "assert open_in_browser('http://127.0.0.1:1/?a=b&token=SECRET')"], check=True,
         env={**os.environ, "HOME": str(tmp_path), "DISPLAY": ":0", "BROWSER": f"{browser} %s"})
     given, folder, file, page = seen.read_text().splitlines()

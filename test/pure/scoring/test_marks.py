@@ -11,9 +11,6 @@ from helpers.competition import BUMPS, DOOR, UTC0, competition, event
 from helpers.examples import examples
 from helpers.journaled import box as journaled_box
 from roah_rsbb.core import effects
-from roah_rsbb.core.scoring import sheet as sheets
-from roah_rsbb.core.scoring.book import FinishedRun
-from roah_rsbb.core.scoring.sheet import MAX_ENTRIES, MAX_MARKS, MAX_NOTED, Mark, ScoreSheet, SheetState
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model import run_log
 from roah_rsbb.model.clock import Now
@@ -21,6 +18,9 @@ from roah_rsbb.model.referee import MAX_WHO, Refused, RunName
 from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.model.scoring import ItemChoice, ScoreKind, ScoringItem
 from roah_rsbb.rulebook.benchmarks import Benchmark
+from roah_rsbb.scoring import sheet as sheets
+from roah_rsbb.scoring.book import FinishedRun
+from roah_rsbb.scoring.sheet import MAX_ENTRIES, MAX_MARKS, MAX_NOTED, Mark, ScoreSheet, SheetState
 
 CUPS = ScoringItem("Table", "cups", ScoreKind.UINT, most=Decimal(3))
 HEIGHT = ScoringItem("Table", "height", ScoreKind.INT, least=Decimal(-2), most=Decimal(2))

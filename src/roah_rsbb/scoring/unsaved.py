@@ -6,9 +6,9 @@ A score or sign-off counts at once, even while the disk cannot be written. Refer
 import math
 from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.scoring.book import MAX_KEPT
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.model.results import UnsavedParts
+from roah_rsbb.scoring.book import MAX_KEPT
 
 # Seconds. Usually the disk is faster, so only what waits longer is shown.
 SHOWN_AFTER_S = 0.5

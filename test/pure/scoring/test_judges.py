@@ -13,13 +13,13 @@ from helpers.examples import examples
 from helpers.jury import Jury, judged
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.judges.agreement import ItemValue, agreed
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.model.scoring import Agreement, ItemChoice, JuryResult, ScoreKind, ScoringItem
+from roah_rsbb.scoring.agreement import ItemValue, agreed
+from roah_rsbb.scoring.sheet import Mark
 
 WATER = ScoringItem("Table", "water", ScoreKind.DECIMAL, Decimal(1), Decimal(0), Decimal(10))
 HELP = ScoringItem("Table", "help", ScoreKind.CHOICE, choices=(ItemChoice("none"), ItemChoice("some")))

@@ -4,7 +4,7 @@ import builtins
 
 import pytest
 
-from roah_rsbb import qr_code
+from roah_rsbb.web import qr_code
 
 URL = "http://192.168.100.200:8081/pair#ABCD-EFGH-JKMNPQRSTUVWXYZ2"
 

@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from roah_rsbb.log_lines import LogLines
+from roah_rsbb.ground.loop import LogLines
 
 
 class Slow(logging.Handler):

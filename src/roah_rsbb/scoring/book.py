@@ -9,10 +9,6 @@ import itertools
 from dataclasses import dataclass, field
 from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.judges.judges import ItemVerdict, Judges, JudgesState
-from roah_rsbb.core.judges.publication import Publication, PublicationState
-from roah_rsbb.core.scoring.points import CountedSheet, counted
-from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, value_text
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import (
@@ -32,6 +28,10 @@ from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.rulebook.benchmarks import Benchmark, EventRules
 from roah_rsbb.rulebook.standing_rules import StandingRules
+from roah_rsbb.scoring.judges import ItemVerdict, Judges, JudgesState
+from roah_rsbb.scoring.points import CountedSheet, counted
+from roah_rsbb.scoring.publication import Publication, PublicationState
+from roah_rsbb.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, value_text
 from roah_rsbb.wording import sheets, times
 
 # No referee stops a run more often. After more stops, the oldest one without a typed reason is dropped.

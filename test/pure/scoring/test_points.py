@@ -9,9 +9,6 @@ import pytest
 from helpers.competition import UTC0, benchmark, event
 from helpers.examples import few
 from helpers.random_sheets import TIME_LIMIT_S, random_form, random_mark
-from roah_rsbb.core.scoring.book import FinishedRun, RunBook
-from roah_rsbb.core.scoring.points import counted, jury_text, number_of, text_of, whole_part
-from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import By, ItemRecord, RunRecord
 from roah_rsbb.model.referee import Refused
@@ -26,6 +23,9 @@ from roah_rsbb.model.scoring import (
     SheetRules,
     TimeLeft,
 )
+from roah_rsbb.scoring.book import FinishedRun, RunBook
+from roah_rsbb.scoring.points import counted, jury_text, number_of, text_of, whole_part
+from roah_rsbb.scoring.sheet import Mark, ScoreSheet
 
 OBJECTS = ScoringItem("Table", "objects", ScoreKind.UINT, Decimal(20), most=Decimal(5))
 EMPTY = ScoringItem("Table", "empty", ScoreKind.BOOL, Decimal(30), needs=(OBJECTS.key,))

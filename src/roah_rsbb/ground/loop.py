@@ -1,19 +1,45 @@
-"""Shows a program's log lines, which rospy also publishes on /rosout, in another thread.
+"""A loop and other threads: calls from them into it, and log lines that it does not wait for."""
 
-A line is written to the terminal, which may take none (Ctrl-S, a pipe that nobody reads). Everything in the loop would
-wait for it.
-"""
-
+import asyncio
+import concurrent.futures
 import logging
 import logging.handlers
 import queue
+from typing import Callable, TypeVar
 
+T = TypeVar("T")
+
+# A referee's command takes milliseconds. A longer wait would only hide that the box is stuck.
+ANSWER_TIMEOUT_S = 5.0
 # Seconds. Who takes no lines does not keep a process from ending.
 FLUSH_S = 2.0
 
 
+def call_in_loop(loop: asyncio.AbstractEventLoop, function: Callable[[], T]) -> T:
+    """Run a function in the thread of a loop, from another one, and return its result or raise its exception.
+
+    Raises concurrent.futures.TimeoutError if the loop does not answer within `ANSWER_TIMEOUT_S`.
+    """
+    done: concurrent.futures.Future[T] = concurrent.futures.Future()
+
+    def run() -> None:
+        if not done.set_running_or_notify_cancel():
+            return
+        try:
+            done.set_result(function())
+        except Exception as error:
+            done.set_exception(error)
+
+    loop.call_soon_threadsafe(run)
+    try:
+        return done.result(ANSWER_TIMEOUT_S)
+    finally:
+        done.cancel()
+
+
 class LogLines(logging.handlers.QueueHandler):
-    """Handles the lines of a logger in another thread. rospy's log file has those of a node at once, as before."""
+    """Handles the lines of a logger in another thread, because a terminal may take none (Ctrl-S, a pipe that nobody
+    reads), and everything in the loop would wait for it. rospy's log file has those of a node at once, as before."""
 
     def __init__(self, logger_name: str = "rosout") -> None:
         """Create it when the logger has its handlers: after `rospy.init_node`."""

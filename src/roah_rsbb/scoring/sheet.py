@@ -22,7 +22,6 @@ from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.scoring.points import jury_text, text_of, whole_part
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.fields import two_numbers, typed_number
 from roah_rsbb.model.reason import joined, say
@@ -39,6 +38,7 @@ from roah_rsbb.model.scoring import (
     ScoreKind,
     ScoringItem,
 )
+from roah_rsbb.scoring.points import jury_text, text_of, whole_part
 from roah_rsbb.wording.sheets import item_value
 from roah_rsbb.wording.suggestions import did_you_mean
 

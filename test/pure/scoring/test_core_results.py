@@ -6,10 +6,6 @@ import pytest
 
 from helpers.box_driver import BoxDriver, public_document
 from helpers.competition import BUMPS, DOOR, OBJECTS, UTC0, competition, event, run_record
-from roah_rsbb.core.scoring import book, counting
-from roah_rsbb.core.scoring.book import MAX_KEPT, FinishedRuns, left_behind
-from roah_rsbb.core.scoring.counting import RunChoice, Why, rulings
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import By, SheetPoints, SignOff
@@ -17,6 +13,10 @@ from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.rulebook.benchmarks import NO_RULES, CountingAttempt
 from roah_rsbb.rulebook.standing_rules import BY_POINTS
+from roah_rsbb.scoring import book, counting
+from roah_rsbb.scoring.book import MAX_KEPT, FinishedRuns, left_behind
+from roah_rsbb.scoring.counting import RunChoice, Why, rulings
+from roah_rsbb.scoring.sheet import Mark
 from roah_rsbb.wording import times
 
 BENCHMARKS = competition(tbm=["HGTKMH"]).benchmarks

@@ -12,8 +12,6 @@ from helpers.competition import BUMPS, DOOR, OBJECTS, competition, event
 from helpers.module_player import started
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.scoring.book import MAX_STOPS
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model import run_log
 from roah_rsbb.model.modules import ScoreValue
@@ -21,6 +19,8 @@ from roah_rsbb.model.referee import MAX_NOTE, MAX_WHO, Refused, RunName
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.scoring.book import MAX_STOPS
+from roah_rsbb.scoring.sheet import Mark
 
 
 @pytest.fixture

@@ -23,7 +23,7 @@ import threading
 import time
 from typing import Callable, Dict, Iterator, Mapping, Optional, Sequence
 
-from roah_rsbb import platform
+from roah_rsbb.ground import linux
 
 # The core has not answered for so long: it hangs.
 HUNG_S = 2.0
@@ -135,7 +135,7 @@ class Lifeline:
             with contextlib.suppress(RuntimeError):
                 self._finding.start()  # whoever sends does not wait for a disk
         if self._systemd and sign in (SIGN, WAITING):
-            with contextlib.suppress(OSError), contextlib.closing(platform.local_socket()) as opened:
+            with contextlib.suppress(OSError), contextlib.closing(linux.local_socket()) as opened:
                 opened.sendto(SIGN, self._systemd)
 
     def wait(self) -> None:
@@ -172,7 +172,7 @@ class Lifeline:
         return not self._unsent
 
     def _find_copier(self, *signs: bytes) -> None:
-        opened = platform.local_socket()
+        opened = linux.local_socket()
         try:
             with _address(self._log_dir) as address:
                 opened.connect(address)
@@ -332,7 +332,7 @@ class Watch:
 
     def _open(self) -> bool:
         """Open the socket. Another process may have it for a moment, such as a node that is just ending."""
-        opened = platform.local_socket()
+        opened = linux.local_socket()
         opened.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
         try:
             os.makedirs(_folder(), mode=0o700, exist_ok=True)
@@ -349,7 +349,7 @@ class Watch:
 
 def _is_left(address: str) -> bool:
     """Whether there is a socket that nobody reads any more."""
-    with contextlib.closing(platform.local_socket()) as trial:
+    with contextlib.closing(linux.local_socket()) as trial:
         try:
             trial.connect(address)
         except ConnectionRefusedError:
@@ -362,10 +362,10 @@ def _is_left(address: str) -> bool:
 def state_of(pid: int) -> str:
     """Say what a process does that does not answer."""
     return {"T": "it is stopped", "t": "a debugger holds it", "D": "it waits for a disk",
-            "R": "its loop does not end"}.get(platform.status_of(pid)[0], "its loop waits")
+            "R": "its loop does not end"}.get(linux.status_of(pid)[0], "its loop waits")
 
 
 def began(pid: int) -> str:
     """When a process began, to distinguish it from a later one of the same number; empty: there is none any more."""
-    state, *rest = platform.status_of(pid)
+    state, *rest = linux.status_of(pid)
     return "" if state in ("", "Z", "X") else rest[18]

@@ -1,1 +1,0 @@
-"""Several judges with a sheet each, the settlement of their differences, and objections to the result."""

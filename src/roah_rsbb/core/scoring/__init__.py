@@ -1,1 +1,0 @@
-"""Score sheets, their history, and the records of finished runs."""
