@@ -54,12 +54,12 @@ def standing_in(path: str) -> BoxEpoch:
     return BoxEpoch()
 
 
-def raise_epoch(path: str, utc: float, who: str) -> BoxEpoch:
-    """Raise the epoch of a journal that no core uses. It is on the disk when this returns. Raises OSError or
-    `NewerFormat`."""
+def raise_epoch(path: str, utc: float, who: str, above: int = 0) -> BoxEpoch:
+    """Raise the epoch of a journal that no core uses, and to more than `above`. It is on the disk when this returns.
+    Raises OSError or `NewerFormat`."""
     writer = _writer(path)
     with contextlib.closing(writer.log):
-        epoch = writer.contents.standing.next_epoch
+        epoch = max(writer.contents.standing.next_epoch, above + 1)
         _add(writer, utc, who, takeover_value(epoch, writer.log.last))
         writer.log.begin(epoch)
         writer.log.finish()

@@ -536,12 +536,22 @@ def _become_box(folder: str, box: Optional[PairedBox], arguments: Sequence[str])
 def _claim_again(folder: str, standby: PairedStandby, anyway: bool) -> int:
     """Let the box that was superseded be the box again, because the one that took over is lost."""
     _check_unused(folder)
-    if not _standing(folder).is_superseded:
-        raise Denied(f"{folder} is the log_dir of a box from which nobody took over: start it as before")
+    standing = _standing(folder)
+    above = standing.epoch
+    if not standing.is_superseded:  # it may have been off during the takeover
+        copy = _noted_folder(_full(LOG_DIR))
+        box = read_box(copy)
+        if box is not None and box.key == rejoin_key(standby.key_sha256):  # this computer is the standby of that one
+            above = _standing(copy).epoch
+        elif anyway:
+            above = standing.next_epoch
+        else:
+            raise Denied(f"the journal in {folder} has no takeover: start the box as before. If another computer took "
+                         "over while this one was off, and must not continue: --anyway")
     if not anyway and is_open(standby.host, standby.port, ALIVE_S):
         raise Denied(f"The box at {standby.host} answers. If it must not continue, switch it off. To take over in any "
                      "case: --anyway")
-    standing = epochs.raise_epoch(os.path.join(folder, FILE_NAME), time.time(), socket.gethostname())
+    standing = epochs.raise_epoch(os.path.join(folder, FILE_NAME), time.time(), socket.gethostname(), above)
     print(f"Epoch {standing.epoch}. Start the box as before. What the other box recorded is not here", flush=True)
     return 0
 

@@ -23,10 +23,12 @@ from roah_rsbb.journal.in_force import InForce, Texts, write_in_force
 from roah_rsbb.standby import codes
 from roah_rsbb.standby.messages import MODULES
 from roah_rsbb.standby.modules_folder import PackedModules
+from roah_rsbb.standby.pairing import hashed
 from roah_rsbb.standby.partners import PairedBox, PairedStandby, is_standby, read_box, write_box, write_standby
 from roah_rsbb.standby.program import main as standby
 from roah_rsbb.standby.program.ears import Automatic
 from roah_rsbb.standby.program.network import NoAddress
+from roah_rsbb.standby.words import rejoin_key
 from roah_rsbb.tools.preflight_checks import Remark, Severity
 
 
@@ -189,6 +191,28 @@ def test_the_old_box_becomes_a_standby_with_the_same_options(copied, monkeypatch
     entered(copied.stick, "rejoin", str(tmp_path / "old"), "--automatic", "5", "--witness", "203.0.113.1",
             "--take-address")
     assert kept[0][3:] == (Automatic(5.0, "203.0.113.1"), True)
+
+
+@pytest.mark.parametrize("rejoined", [True, False])
+def test_a_box_that_was_off_during_the_takeover_is_the_box_again(tmp_path, monkeypatch, capsys, rejoined):
+    """Its journal has no takeover. If it has been the standby of the other box since, that is the proof; the epoch must
+    be higher than that of the other box."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    old, copy, paired = tmp_path / "old", tmp_path / ".ros" / "roah_rsbb_standby", hashed("key")
+    journals = [Writer(folder) for folder in (old, copy)]
+    for journal in journals:
+        journal.entry("/notification", "now")
+        journal.journal.close()
+    write_standby(str(old), PairedStandby("second", paired, "127.0.0.1", 1))
+    write_box(str(copy), PairedBox("127.0.0.1", 1, "ff", rejoin_key(paired) if rejoined else "another"))
+    for _ in range(3):
+        epochs.raise_epoch(str(copy / FILE_NAME), 1.0, "second")
+    if not rejoined:
+        with pytest.raises(standby.Denied, match="has no takeover.*--anyway"):
+            entered(old, "takeover")
+    entered(old, "takeover", *([] if rejoined else ["--anyway"]))
+    assert f"Epoch {5 if rejoined else 3}. Start the box as before" in capsys.readouterr().out
+    assert epochs.standing_in(str(old / FILE_NAME)).epoch == (5 if rejoined else 3)
 
 
 @pytest.mark.parametrize("wrong", [["--automatic", "1"], ["--take-address"], ["--witness", "203.0.113.1"]])
