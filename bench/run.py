@@ -474,7 +474,6 @@ class Bench:
                 self.results.add(f"results report: growth from {FEW_RUNS} runs, linear is 1", "", growth, 1)
             few_s = report.seconds
 
-
     # -- standby --------------------------------------------------------------------------------------
 
     def copying(self) -> None:
@@ -492,7 +491,6 @@ class Bench:
         self.results.add("core: CPU that a standby adds", "% of a core", more, 1)
         self.results.add(f"standby of a journal with {self.extent.runs} runs: paired again after", "s",
                          copying.paired_again_s(self.extent.runs), 30)
-
 
     # -- robots -------------------------------------------------------------------------------------
 

@@ -16,8 +16,7 @@ from processes import START_S, Box, Measured, wait
 from table import quantile
 
 from roah_rsbb.client.client import Client
-from roah_rsbb.client.places import OWN_VARIABLE
-from roah_rsbb.document.place import read_place
+from roah_rsbb.client.places import OWN_VARIABLE, read_place
 from roah_rsbb.model.document import Document
 
 TURNS = 5

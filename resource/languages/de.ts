@@ -5267,7 +5267,7 @@
         <translation>Das Team hat zurückgezogen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/model/referee.py"/>
+        <location filename="../../src/roah_rsbb/model/reason.py"/>
         <source>the note has {number} characters: at most {most} are kept, shorten it</source>
         <translation>die Notiz hat {number} Zeichen: Höchstens {most} werden behalten, kürzen Sie sie</translation>
     </message>

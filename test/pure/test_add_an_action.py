@@ -26,7 +26,7 @@ def test_the_core_does_it_records_it_and_keeps_it_over_a_restart(tree):
         from helpers.competition import competition
         from roah_rsbb.core import effects
         from roah_rsbb.core.actions.table import Target
-        from roah_rsbb.model.referee import Refused
+        from roah_rsbb.model.reason import Refused
         from roah_rsbb.model.saved import freeze, thaw
         from roah_rsbb.core.zones import ZoneState
         driver = BoxDriver(competition(tbm=["HGTKMH"]))

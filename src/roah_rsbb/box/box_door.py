@@ -4,12 +4,12 @@ import asyncio
 from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Tuple
 
 from roah_rsbb.box.door import Door
+from roah_rsbb.client.places import new_token
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.core.views.public import NOTHING_ALLOWED, Publicity
 from roah_rsbb.document.calls import Call, Caller
 from roah_rsbb.document.document import Written
-from roah_rsbb.document.place import new_token
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.results import UnsavedParts

@@ -17,8 +17,7 @@ from roah_rsbb.model.actions import EVERY
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.fields import is_encodable
-from roah_rsbb.model.reason import encode, say
-from roah_rsbb.model.referee import Refused, RunName, checked_who
+from roah_rsbb.model.reason import Refused, RunName, checked_who, encode, say
 from roah_rsbb.model.results import RunSheet
 from roah_rsbb.wording.whole_box import ending
 

@@ -11,8 +11,7 @@ from roah_rsbb.box.assembly import CoreAssembly
 from roah_rsbb.box.box_door import BoxDoor
 from roah_rsbb.core.copies import CopyReport
 from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, STOPPED, Call, Caller
-from roah_rsbb.model.reason import decode
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused, decode
 
 BOX = Caller("box")
 MAX_REPORT = 4000  # characters of a report

@@ -8,9 +8,8 @@ the same time, and each is answered within `ASKED_S`.
 import asyncio
 from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Protocol, Sequence
 
-from roah_rsbb.document.calls import DEVICES, SET_DEVICE, Answered, Caller
+from roah_rsbb.document.calls import DEVICES, SET_DEVICE, WEB_CALLS, Answered, Caller
 from roah_rsbb.model.reason import encoded, say
-from roah_rsbb.model.web_calls import WEB_CALLS
 from roah_rsbb.wording.device import NO_WEB
 from roah_rsbb.wording.whole_box.devices import NO_DEVICES
 

@@ -8,7 +8,7 @@ from roah_rsbb.box import calls
 from roah_rsbb.box.configuration import Configuration, Content
 from roah_rsbb.core.box import Box
 from roah_rsbb.document.calls import Caller, InThread
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 # Seconds for the reload before, whose files may be on a disk that hangs.

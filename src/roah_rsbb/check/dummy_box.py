@@ -35,8 +35,8 @@ from roah_rsbb.ground import linux
 from roah_rsbb.ground.arguments import Parser, add_password, called, number, public_port
 from roah_rsbb.ground.installed import NotShipped, shipped_folder, warn_if_replaced
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, RequestKind, RunForModule
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import EndReason, Phase, ScoreValue
-from roah_rsbb.model.referee import Refused
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.radio.driver import NetworkDriver
 from roah_rsbb.radio.radio import Network, beacon_size

@@ -19,7 +19,7 @@ from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.model.modules import OutcomeKind
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.radio.radio import Network
 from roah_rsbb.rulebook.registry import PROFILES, GoalForm, profile_of

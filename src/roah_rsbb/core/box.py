@@ -31,10 +31,8 @@ from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import Zones, ZoneState
 from roah_rsbb.model.actions import ENTRIES
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.link import LinkSample
-from roah_rsbb.model.messages import Beacon, BoxMessage, DevicesState, RobotReport, TabletState
-from roah_rsbb.model.reason import say
-from roah_rsbb.model.referee import Refused, cut_note
+from roah_rsbb.model.messages import Beacon, BoxMessage, DevicesState, LinkSample, RobotReport, TabletState
+from roah_rsbb.model.reason import Refused, cut_note, say
 from roah_rsbb.protocol import WireTime
 from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.rulebook.event_ids import EventKey

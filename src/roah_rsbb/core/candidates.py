@@ -9,9 +9,8 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import Zone, Zones
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.reason import joined, say
+from roah_rsbb.model.reason import cut_note, joined, say
 from roah_rsbb.model.records import Phase, RunRecord
-from roah_rsbb.model.referee import cut_note
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.scoring.book import FinishedRuns
 from roah_rsbb.wording import times

@@ -13,8 +13,8 @@ from roah_rsbb.core.score_desk import (
     check_mark_id,
 )
 from roah_rsbb.model.clock import Now
+from roah_rsbb.model.reason import Refused, RunName, checked_note, checked_who
 from roah_rsbb.model.records import By, ItemRecord, JudgeSheet, RunRecord
-from roah_rsbb.model.referee import Refused, RunName, checked_note, checked_who
 from roah_rsbb.model.scoring import SheetForm
 from roah_rsbb.scoring.book import FinishedRun, RunBook
 from roah_rsbb.scoring.judges import ItemVerdict

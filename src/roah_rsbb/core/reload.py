@@ -16,8 +16,7 @@ from roah_rsbb.core.copies import Copies
 from roah_rsbb.core.effects import Level, Outbox
 from roah_rsbb.core.robots import ActiveRobots
 from roah_rsbb.core.zones import Zones, key_of_record
-from roah_rsbb.model.reason import say
-from roah_rsbb.model.referee import Refused, checked_who
+from roah_rsbb.model.reason import Refused, checked_who, say
 from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.rulebook.event_ids import EventKey, key_of
 from roah_rsbb.scoring.book import FinishedRuns

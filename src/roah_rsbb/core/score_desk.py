@@ -9,9 +9,8 @@ from roah_rsbb.core.runs.phases import RunEvent, is_possible
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.zones import NOTHING_TO_STOP, Zone, Zones
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.reason import say
+from roah_rsbb.model.reason import Refused, RunName, checked_note, checked_who, say
 from roah_rsbb.model.records import By, ItemRecord, Phase, RunRecord
-from roah_rsbb.model.referee import Refused, RunName, checked_note, checked_who
 from roah_rsbb.rulebook.event_ids import key_of
 from roah_rsbb.scoring.book import FinishedRun, FinishedRuns, RunBook
 from roah_rsbb.scoring.counting import Counted, Counting, EventResult, Ruling, Why

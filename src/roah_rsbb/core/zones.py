@@ -8,9 +8,8 @@ from roah_rsbb.core.runs.all_robots import AllRobotsRun
 from roah_rsbb.core.runs.by_hand import HandRun
 from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalityState
 from roah_rsbb.core.runs.run import AllRobotsState, Run, RunState, ZoneRun, ZoneRunState
-from roah_rsbb.model.reason import say
+from roah_rsbb.model.reason import Refused, say
 from roah_rsbb.model.records import RAN_TO_THE_END, EndReason, RunRecord
-from roah_rsbb.model.referee import Refused
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.event_ids import EventKey, key_of, known_by
 from roah_rsbb.scoring.counting import is_attempt

@@ -13,8 +13,7 @@ from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 from roah_rsbb.devices.client import SmartIfClient
 from roah_rsbb.devices.home import OUTPUTS, BadSetting, Home, devices_state
 from roah_rsbb.document.calls import DEVICES, DOOR, RING, SET_DEVICE, Call, Caller
-from roah_rsbb.model.reason import say
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused, say
 from roah_rsbb.web.kept_file import open_kept
 
 # In log_dir.

@@ -6,8 +6,7 @@ and counts but is not on the disks yet. The reasons are those of `model/reason.p
 
 from typing import Any, Callable, Dict, Mapping, NamedTuple, Union
 
-from roah_rsbb.model.reason import encoded
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused, encoded
 
 MAX_MESSAGE_BYTES = 64 * 1024  # of a client's message to the door
 HELPER = "helper"  # the face of a program that only calls and offers calls: it is sent no document
@@ -68,3 +67,6 @@ def waited(waiting: Later) -> Answered:
             return {"refused": encoded(refused.reasons)}
     trouble = waiting.wait()
     return {"refused": encoded([trouble]), "known": False} if trouble else {"answer": waiting.answer}
+
+
+PAIR, PAIRED, REVOKE, TEAM_CODES = WEB_CALLS = ("pair", "paired", "revoke", "team_codes")

@@ -34,9 +34,9 @@ def difference(old: Any, new: Any) -> Any:
     if isinstance(old, list) and isinstance(new, list) and len(old) > SHORT_LIST:
         return _of_lists(old, new)
     if isinstance(old, str) and isinstance(new, str) and min(len(old), len(new)) >= LONG_TEXT:
-        dropped = _dropped(old, new)
-        if dropped is not None:
-            return [dropped, new[len(old) - dropped:]]
+        more = added(old, new)
+        if more is not None:
+            return [len(old) + len(more) - len(new), more]
     return [new]
 
 
@@ -69,15 +69,19 @@ def changed(old: Any, by: Any) -> Any:
         raise ValueError(f"the change does not fit the state before it: {error}") from None
 
 
-def _dropped(old: str, new: str) -> Optional[int]:
-    """Return how many characters at the beginning of a text are missing in the new one; None: it is another text."""
+def added(old: str, new: str) -> Optional[str]:
+    """Return the text that `new` adds to `old`, of which it may lack the beginning. None: it is another text."""
+    if new.startswith(old):
+        return new[len(old):]
+    if len(new) < LONG_TEXT:  # so short an overlap could be a coincidence
+        return None
     dropped = -1
     for _ in range(MOST_PLACES):
         dropped = old.find(new[:_BEGIN], dropped + 1)
         if dropped < 0:
             return None
         if new.startswith(old[dropped:]):
-            return dropped
+            return new[len(old) - dropped:]
     return None
 
 

@@ -181,7 +181,6 @@ class Contents:
             self.standing = after(self.standing, entry[-1])
 
 
-
 def _bytes(value: Any) -> bytes:
     return _ENCODER.encode(value).encode("utf-8", errors="replace")
 

@@ -7,10 +7,10 @@ needs.
 
 import enum
 from dataclasses import dataclass
-from typing import Dict, Optional, Tuple
+from typing import Dict, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.fields import Confirmed, EventId, Field, Fixed, Number, Robot, Team, Toggle, TypedText
-from roah_rsbb.model.reason import Template, say
+from roah_rsbb.model.reason import Said, Template, say
 
 # Roles of paired devices.
 REFEREES, JUDGES = ("referee", "organiser"), ("judge",)
@@ -169,3 +169,13 @@ EVERY: Dict[str, Action] = {**ACTIONS, **ENTRIES}
 STOP = "stop"
 # What referees count and set on a score sheet, and judges on their own.
 MARK, JUDGE_MARK = "mark", "judge_mark"
+
+
+class Shown(NamedTuple):
+    """An action in a zone."""
+
+    off: Tuple[Said, ...] = ()  # the reasons why its button is off; empty: it is on
+    shown: bool = True  # whether faces show it beside what they lay out themselves
+    fields: Optional[Tuple[Field, ...]] = None  # as they are now; None: as in `ACTIONS`
+    text: str = ""  # what the referee should do, in the words of a module; empty: the action's explanation says it
+    question: Said = ""  # asked before it is done, which then gives `Confirmed`; empty: nothing but the action's own

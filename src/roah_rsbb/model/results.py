@@ -1,4 +1,5 @@
-"""Runs as a referee sees them after the run: in a line, and with their score sheet, history and ends.
+"""Runs as referees see them besides those in the zones: the schedule; what is over, with score sheet, history and ends;
+and its judges.
 
 Times are UTC seconds since 1970; None: not yet, or never.
 """
@@ -88,3 +89,113 @@ class UnsavedParts(NamedTuple):
     entries: Tuple[int, ...] = ()  # numbers of entries of the history that are new, or were withdrawn
     stops: Tuple[int, ...] = ()  # numbers of ends, from 1, that are new or whose reason changed
     sign_off: bool = False
+
+
+# What became of an item: the judges agree, they differ and the head referee must settle it, it is settled, or no judge
+# submitted a sheet.
+AGREED, DIFFER, SETTLED, NOT_JUDGED = "agreed", "differs", "settled", "not_judged"
+
+
+class JudgeLine(NamedTuple):
+    """One of the judges, without any values."""
+
+    judge: str
+    submitted_utc_s: Optional[float]
+    again: str  # why the sheet was handed back; empty: it was not
+
+
+class Judging(NamedTuple):
+    """The progress of a run's judges and of its result, without any values."""
+
+    zone: str
+    identity: str
+    revision: int = 0  # changes whenever its `JudgedRun` changes; 0: neither judges nor a published result
+    # Judges that the benchmark asks for; 0: the referee scores.
+    count: int = 0  # type: ignore[assignment] # it hides tuple.count, which nobody calls
+    rule: str = ""
+    missing: int = 0
+    complete: bool = False  # no more sheets are expected
+    judges: Tuple[JudgeLine, ...] = ()
+    waiver: str = ""  # why missing judges are not waited for; empty: they are
+    differences: int = 0
+    published_utc_s: Optional[float] = None
+    objections_until_utc_s: Optional[float] = None
+    open_objections: int = 0
+
+
+class Given(NamedTuple):
+    """What a judge gave an item."""
+
+    judge: str
+    value: int
+    text: str  # of a type that is not a whole number
+    not_attempted: bool
+
+
+class JudgedItem(NamedTuple):
+    """An item of the run's sheet, as it counts now, with what each judge submitted."""
+
+    item: SheetItem
+    outcome: str  # one of the words above
+    given: Tuple[Given, ...]
+    who: str = ""  # who settled it; empty: nobody
+    reason: str = ""
+
+
+class ObjectionLine(NamedTuple):
+    """An objection to a provisional result."""
+
+    number: int
+    utc_s: float
+    by: str  # who objects, such as a team
+    text: str
+    who: str  # who entered it
+    answered_utc_s: Optional[float]
+    answered_by: str
+    upheld: bool
+    answer: str
+
+
+class JudgedRun(NamedTuple):
+    """What a judge or the head referee may see of a run."""
+
+    judging: Judging
+    items: Tuple[SheetItem, ...]  # of the run's sheet, as they count now
+    judged: Tuple[JudgedItem, ...] = ()  # empty: more sheets are expected
+    objections: Tuple[ObjectionLine, ...] = ()
+    own: Tuple[SheetItem, ...] = ()  # the sheet of the judge who asks; empty: it was not a judge
+    submitted: bool = False  # that sheet is locked
+    again: str = ""  # why that sheet was handed back; empty: it was not
+
+
+class EventSeen(NamedTuple):
+    """An event of the schedule with its state and results. Times are UTC seconds."""
+
+    id: str  # by which it is known, whatever else changes
+    number: int  # in the schedule of its zone, from 1
+    zone: str
+    code: str  # of the benchmark
+    benchmark: str  # its full name
+    team: str  # ALL: all robots at once
+    round: int
+    run: int
+    scheduled_utc_s: float
+    begins_utc_s: float  # when it began, or the estimated time
+    state: str  # done, connected, running, ended, next, later or skipped
+    current: bool  # its zone is at this event
+    identity: str = ""  # of the run that counts; if none does, of the last one that is over; empty: none
+    end_reason: str = ""
+    score: Said = ""  # of that run; empty also while another attempt is in the zone
+    signed_utc_s: Optional[float] = None  # None: not signed off
+    signed_by: str = ""
+    counts: str = ""  # whether that run counts, see `wording.counting`
+
+    @property
+    def late_s(self) -> float:
+        """By how many seconds it began, or will begin, after its scheduled time; at least 0."""
+        return max(0.0, self.begins_utc_s - self.scheduled_utc_s)
+
+    @property
+    def unsigned(self) -> bool:
+        """Whether a run is over, and one that counts is not signed off."""
+        return self.state == "ended" or (bool(self.identity) and self.signed_utc_s is None)

@@ -6,11 +6,10 @@ silent. Such moments are on the box's monotonic clock, in seconds.
 
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.actions import ACTIONS, Shown
 from roah_rsbb.model.fields import Choice, Field
 from roah_rsbb.model.reason import Said
 from roah_rsbb.model.records import ScoreValue, SheetPoints
-from roah_rsbb.model.shown import Shown
 
 # The phase of a zone without a run. The others are the words of `model.records.Phase`.
 IDLE, CONNECTED, RUNNING, ENDED = "idle", "connected", "running", "ended"

@@ -20,7 +20,7 @@ from roah_rsbb.ground.arguments import Parser, number
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import REPLAY as PREFIX
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.nodes.core.door_place import OpenDoor
 from roah_rsbb.nodes.core.original_topics import OriginalTopics
 from roah_rsbb.nodes.core.services import CoreServices

@@ -11,7 +11,7 @@ from typing import Callable, List, Optional
 
 from roah_rsbb.model.actions import ACTIONS, Row
 from roah_rsbb.model.fields import Choice
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.state import asked_in

@@ -15,8 +15,7 @@ import time
 import urllib.parse
 from typing import Any, BinaryIO, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, TypeVar
 
-from roah_rsbb.client.places import DoorPlaces
-from roah_rsbb.document.place import DoorPlace, NotFound
+from roah_rsbb.client.places import DoorPlace, DoorPlaces, NotFound
 
 T = TypeVar("T")
 

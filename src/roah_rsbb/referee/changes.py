@@ -4,7 +4,7 @@ import re
 import time
 from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.client import tail
+from roah_rsbb.document import difference
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.zone import SheetItem, ZoneSeen
 from roah_rsbb.referee.state import asked_in, event_json, lines_of, operation_json, score_json, state_json, zones_of
@@ -124,7 +124,7 @@ def _module_scores(old: ZoneSeen, new: ZoneSeen) -> Iterator[Dict[str, Any]]:
 
 def _lines(old: str, new: str) -> List[str]:
     """Return the lines that were added to `old`."""
-    added = tail.added(old, new)
+    added = difference.added(old, new)
     return lines_of(new if added is None else added)
 
 

@@ -9,7 +9,7 @@ from typing import Any, Callable, ContextManager, Dict, List, Optional, Tuple
 from roah_rsbb.core.actions.events import UNSIGNED
 from roah_rsbb.core.actions.table import confirmed_by
 from roah_rsbb.model.actions import ACTIONS
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.results import RunLine
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import CONNECTED, IDLE, RUNNING, SheetItem, ZoneSeen

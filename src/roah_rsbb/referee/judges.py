@@ -2,9 +2,8 @@
 
 from typing import Any, Callable, Dict, List, Optional
 
-from roah_rsbb.model.judging import JudgedRun, Judging, ObjectionLine
-from roah_rsbb.model.referee import Refused
-from roah_rsbb.model.results import RunLine
+from roah_rsbb.model.reason import Refused
+from roah_rsbb.model.results import JudgedRun, Judging, ObjectionLine, RunLine
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.referee.exits import Exit

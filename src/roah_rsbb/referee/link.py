@@ -14,9 +14,8 @@ from roah_rsbb.document.written import read
 from roah_rsbb.ground.arguments import is_without_ros
 from roah_rsbb.model.actions import MARK
 from roah_rsbb.model.document import Document
-from roah_rsbb.model.judging import JudgedRun
-from roah_rsbb.model.referee import Refused
-from roah_rsbb.model.results import RunSheet
+from roah_rsbb.model.reason import Refused
+from roah_rsbb.model.results import JudgedRun, RunSheet
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.referee.at_once import ROLE, caller_name

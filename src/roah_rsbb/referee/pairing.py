@@ -3,7 +3,7 @@ the codes of teams (docs/web.md, "Pages of teams")."""
 
 from typing import Any, Dict, List
 
-from roah_rsbb.model.web_calls import PAIR, PAIRED, REVOKE, TEAM_CODES
+from roah_rsbb.document.calls import PAIR, PAIRED, REVOKE, TEAM_CODES
 from roah_rsbb.referee.exits import Exit
 from roah_rsbb.referee.link import Link
 from roah_rsbb.referee.output import Output

@@ -9,7 +9,7 @@ import contextlib
 import time
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple, Union
 
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, RUNNING, SheetItem, ZoneSeen
 from roah_rsbb.referee.answers import AutomaticAnswers, GivenUp, Keyboard, Note, Operations, Typed

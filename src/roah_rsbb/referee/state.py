@@ -12,8 +12,7 @@ from roah_rsbb.model.document import Document
 from roah_rsbb.model.fields import Choice, Field, TypedText, entered
 from roah_rsbb.model.reason import Said
 from roah_rsbb.model.records import ScoreValue
-from roah_rsbb.model.results import RunLine, RunSheet
-from roah_rsbb.model.schedule import EventSeen
+from roah_rsbb.model.results import EventSeen, RunLine, RunSheet
 from roah_rsbb.model.zone import Event, SheetItem, ZoneSeen
 from roah_rsbb.referee.words import command_of, to_confirm
 from roah_rsbb.wording import sheets

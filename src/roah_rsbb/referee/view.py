@@ -12,7 +12,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.fields import Field
 from roah_rsbb.model.records import ScoreValue, SheetPoints
-from roah_rsbb.model.schedule import EventSeen
+from roah_rsbb.model.results import EventSeen
 from roah_rsbb.model.zone import CONNECTED, ENDED, RUNNING, Event, RobotInRun, SheetItem, Switches, ZoneSeen
 from roah_rsbb.referee.changes import Change
 from roah_rsbb.referee.state import asked_in, lines_of, off_in, silence_s, zones_of

@@ -3,7 +3,7 @@
 import shlex
 from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.actions import ACTIONS, Shown
 from roah_rsbb.model.fields import (
     BadValue,
     Choice,
@@ -17,7 +17,6 @@ from roah_rsbb.model.fields import (
     typed_number,
 )
 from roah_rsbb.model.scoring import MAX_NUMBER, MAX_VALUE, Entered, ScoreKind, ScoringItem
-from roah_rsbb.model.shown import Shown
 from roah_rsbb.model.zone import Event, SheetItem
 from roah_rsbb.referee.at_once import STOP, meant
 from roah_rsbb.scoring.points import number_of, text_of

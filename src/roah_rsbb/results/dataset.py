@@ -14,7 +14,7 @@ from typing import Any, Callable, Dict, Iterable, Iterator, NamedTuple, Optional
 
 from roah_rsbb.journal import kinds
 from roah_rsbb.model import run_log
-from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.results.anonymous import Names, anonymous
 from roah_rsbb.results.events import COMMANDS, sections
 from roah_rsbb.results.export import RUN_COLUMNS, SCORE_COLUMNS, Cell, run_row, score_rows, write_rows, write_table

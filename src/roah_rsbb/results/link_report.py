@@ -3,7 +3,7 @@
 import math
 from typing import Callable, List, NamedTuple, Optional, Sequence
 
-from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.results.events import Stretch
 from roah_rsbb.results.page import Markup, joined, tag
 from roah_rsbb.results.runs import LinkSecond

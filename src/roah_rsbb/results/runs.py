@@ -7,7 +7,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tu
 from roah_rsbb.journal.changes import ChangesReader
 from roah_rsbb.journal.reader import JournalEntry, JournalReader, JournalRun
 from roah_rsbb.model import run_log
-from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.model.saved import BadState, thaw
 from roah_rsbb.wording import sheets

@@ -8,7 +8,7 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.model.public import PublicRank, PublicStanding
+from roah_rsbb.model.document import PublicRank, PublicStanding
 from roah_rsbb.model.reason import Reason, say
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.model.scoring import SheetForm

@@ -153,7 +153,6 @@ def explain(error: yaml.MarkedYAMLError, text: str, before: str) -> ErrorInWords
     return ErrorInWords(False, *_OTHER)
 
 
-
 def read_yaml(path: str, report: Report, what: str, shape: str, secret: bool = False) -> Optional[Node]:
     """Read a file as a tree. Return None after an error that prevents this (missing, unreadable, not YAML, empty).
 

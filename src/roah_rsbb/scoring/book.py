@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.reason import say
+from roah_rsbb.model.reason import Refused, say
 from roah_rsbb.model.records import (
     NOT_RUN,
     By,
@@ -24,7 +24,6 @@ from roah_rsbb.model.records import (
     SignOff,
     StopRecord,
 )
-from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.rulebook.benchmarks import Benchmark, EventRules
 from roah_rsbb.rulebook.standing_rules import StandingRules

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.reason import say
+from roah_rsbb.model.reason import Refused, say
 from roah_rsbb.model.records import (
     By,
     ItemRecord,
@@ -24,7 +24,6 @@ from roah_rsbb.model.records import (
     Settlement,
     Waiver,
 )
-from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.scoring import Key, ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.scoring.agreement import ItemValue, agreed, value_of
 from roah_rsbb.scoring.sheet import Mark, ScoreSheet, SheetState
@@ -51,6 +50,7 @@ class JudgesState:
     def of(cls, record: JudgingRecord) -> "JudgesState":
         """Return the state that a record contains."""
         return cls(list(record.sheets), list(record.settlements), record.waiver, list(record.acts))
+
 
 DIFFER = say("the judges differ: the head referee settles {items}")
 MISSING = say("{missing} of {count} judges have not submitted: wait for them, or decide with a reason not to wait")

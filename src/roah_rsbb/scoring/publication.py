@@ -7,9 +7,8 @@ from dataclasses import dataclass, field
 from typing import List, Optional
 
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.reason import joined, say
+from roah_rsbb.model.reason import Refused, joined, say
 from roah_rsbb.model.records import By, Objection, PublicationRecord, Published
-from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.scoring import SheetForm
 from roah_rsbb.wording import times
 

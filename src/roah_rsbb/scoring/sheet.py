@@ -24,9 +24,8 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.fields import two_numbers, typed_number
-from roah_rsbb.model.reason import joined, say
+from roah_rsbb.model.reason import Refused, joined, say
 from roah_rsbb.model.records import ItemRecord, Rating, ScoreEntry
-from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.scoring import (
     MAX_DECIMALS,
     MAX_NUMBER,

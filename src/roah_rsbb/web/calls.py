@@ -8,9 +8,8 @@ from typing import Any, Dict, Protocol, Tuple
 from roah_rsbb.client.client import Answer
 from roah_rsbb.document.calls import DEVICES
 from roah_rsbb.document.written import read
-from roah_rsbb.model.judging import JudgedRun
 from roah_rsbb.model.messages import DevicesSeen
-from roah_rsbb.model.results import RunSheet
+from roah_rsbb.model.results import JudgedRun, RunSheet
 from roah_rsbb.web.commands import JUDGING, OF_BOX, SHEET, STOP, Command, Outcome
 from roah_rsbb.web.numbered import BoxShown
 

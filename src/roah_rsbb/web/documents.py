@@ -5,8 +5,7 @@ They contain nothing else. Times are UTC seconds since 1970 of the box's clock.
 
 from typing import Any, Dict, Iterable, List, Optional
 
-from roah_rsbb.model.document import Document
-from roah_rsbb.model.public import PublicEvent, PublicResult, PublicRun
+from roah_rsbb.model.document import Document, PublicEvent, PublicResult, PublicRun
 from roah_rsbb.wording import public
 from roah_rsbb.wording.explained import explained as explained_texts
 from roah_rsbb.wording.language import tr

@@ -6,10 +6,9 @@ import concurrent.futures
 import logging
 from typing import Any, Callable, Dict, Mapping
 
-from roah_rsbb.document.calls import Call, Caller, InThread
+from roah_rsbb.document.calls import PAIR, PAIRED, REVOKE, TEAM_CODES, Call, Caller, InThread
 from roah_rsbb.model.fields import is_encodable
-from roah_rsbb.model.referee import Refused
-from roah_rsbb.model.web_calls import PAIR, PAIRED, REVOKE, TEAM_CODES
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.web.pairing import CODE_VALID_S, ORGANISER, ROLES, Grant
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.wording.device import CODES_NOT_SAVED

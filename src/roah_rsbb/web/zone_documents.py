@@ -6,8 +6,7 @@ Texts are in the language of the reader.
 from typing import List, Sequence, Tuple
 
 from roah_rsbb.model.document import Document
-from roah_rsbb.model.judging import JudgedRun, Judging
-from roah_rsbb.model.results import RunLine, RunSheet
+from roah_rsbb.model.results import JudgedRun, Judging, RunLine, RunSheet
 from roah_rsbb.model.zone import RUNNING, Count, RunClock, SheetItem, ZoneSeen
 from roah_rsbb.web.documents import Data
 from roah_rsbb.wording import judging, sheets, stop, todo

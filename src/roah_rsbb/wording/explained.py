@@ -2,7 +2,7 @@
 
 from typing import List, NamedTuple, Tuple
 
-from roah_rsbb.model.public import PublicRun, RobotText
+from roah_rsbb.model.document import PublicRun, RobotText
 from roah_rsbb.wording.language import tr, tr_later
 
 DONE, NOW, LATER = "done", "now", "later"

@@ -8,7 +8,7 @@ from typing import Callable, Dict, List, NamedTuple, Tuple
 
 from roah_rsbb.model.actions import BY_THE_FILE_S, ENTRIES
 from roah_rsbb.model.document import Document
-from roah_rsbb.model.judging import DIFFER, JudgedItem, JudgedRun, JudgeLine, Judging, ObjectionLine
+from roah_rsbb.model.results import DIFFER, JudgedItem, JudgedRun, JudgeLine, Judging, ObjectionLine
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
 
@@ -35,6 +35,7 @@ SETTLE, HAND_BACK, WITHDRAW, WAIVE, PUBLISH, OBJECT = (
 OBJECTION_TIME = ENTRIES["publish"].fields[0].label
 _OBJECTION_MINUTES = (5, 10, 15, 30, 60)
 UPHOLD, REJECT = tr_later("Uphold the objection"), tr_later("Reject the objection")
+
 
 class GivenInWords(NamedTuple):
     """What a judge gave an item."""

@@ -6,8 +6,7 @@ Times of day are those of the venue: the public compares them with the clock on 
 import math
 from typing import Dict, Iterable, NamedTuple, Tuple
 
-from roah_rsbb.model.document import Document
-from roah_rsbb.model.public import PublicEvent, PublicResult, PublicRun, PublicStanding
+from roah_rsbb.model.document import Document, PublicEvent, PublicResult, PublicRun, PublicStanding
 from roah_rsbb.model.zone import ENDED, RUNNING
 from roah_rsbb.wording import module_scores, sheets, times
 from roah_rsbb.wording.clock import PAUSED

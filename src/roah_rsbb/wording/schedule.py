@@ -6,7 +6,7 @@ Page and terminal decorate these words and add none of their own.
 import enum
 from typing import Callable, Dict, Iterable, NamedTuple, Optional, Sequence
 
-from roah_rsbb.model.schedule import EventSeen
+from roah_rsbb.model.results import EventSeen
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.counting import with_counting
 from roah_rsbb.wording.language import tr, tr_later

@@ -26,7 +26,7 @@ from roah_rsbb.core.zones import ZoneState
 from roah_rsbb.model.fields import form_text
 from roah_rsbb.model.messages import DevicesState, RobotReport, TabletState
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.radio import wire_convert

@@ -13,9 +13,8 @@ from roah_rsbb.core.copies import unconfirmed
 from roah_rsbb.document.calls import Caller, Waiting, carried_out, waited
 from roah_rsbb.document.written import read
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.judging import JudgedRun
-from roah_rsbb.model.referee import Refused, RunName
-from roah_rsbb.model.results import RunSheet
+from roah_rsbb.model.reason import Refused, RunName
+from roah_rsbb.model.results import JudgedRun, RunSheet
 
 NOW = Now(12.5, 1447000000.25)
 RUN = RunName("Home", "HWV-1-2")

@@ -8,8 +8,7 @@ import pytest
 from roah_rsbb.box.copy_calls import CopyCalls
 from roah_rsbb.core.copies import CopyReport
 from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, Caller
-from roah_rsbb.model.reason import encode, say
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused, encode, say
 
 REPORT = {"place": "standby", "journal": "own", "behind_s": 0.5, "missing_bytes": 7, "trouble": "", "notice": ""}
 TROUBLE = say("no space left on {place}")

@@ -13,8 +13,8 @@ from helpers.running_loop import running
 from helpers.toy_box import HOST, TOKEN, Bare, ToyBox
 from helpers.toy_document import LOW
 from roah_rsbb.box import door
+from roah_rsbb.client.places import DoorPlace, NotFound, new_token, read_place, write_place
 from roah_rsbb.document.calls import Caller, Waiting
-from roah_rsbb.document.place import DoorPlace, NotFound, new_token, read_place, write_place
 from roah_rsbb.model.reason import encode
 from roah_rsbb.web import serving
 from roah_rsbb.web.serving import DEFLATED_BYTES, ServeError, frame

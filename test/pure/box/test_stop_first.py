@@ -21,9 +21,8 @@ from roah_rsbb.document.calls import Caller
 from roah_rsbb.ground.signs_of_life import CHANNEL
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.fields import MAX_TEXT
-from roah_rsbb.model.reason import decode
+from roah_rsbb.model.reason import Refused, RunName, decode
 from roah_rsbb.model.records import By, EndReason, Phase, RunRecord, StopRecord
-from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.standby.stops import LONGEST, add_stops, read_stops, stops_in

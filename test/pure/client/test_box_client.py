@@ -13,9 +13,9 @@ from helpers.toy_document import LOW, Toy
 from roah_rsbb.box import door
 from roah_rsbb.client import client as client_file
 from roah_rsbb.client.client import UNANSWERED, Answer, Client, Offer
+from roah_rsbb.client.places import DoorPlace, NotFound
 from roah_rsbb.document.calls import HELPER, Caller, InThread, Waiting
-from roah_rsbb.document.place import DoorPlace, NotFound
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.wording.device import NO_WEB
 
 __all__ = ["running"]

@@ -5,8 +5,7 @@ import socket
 
 import pytest
 
-from roah_rsbb.client.places import OWN_VARIABLE, DoorPlaces, file_of, local_door_file
-from roah_rsbb.document.place import DoorPlace, NotFound, write_place
+from roah_rsbb.client.places import OWN_VARIABLE, DoorPlace, DoorPlaces, NotFound, file_of, local_door_file, write_place
 
 
 @pytest.fixture(autouse=True)

@@ -9,7 +9,7 @@ from roah_rsbb.core.connections import MAX_PORTS_TRIED
 from roah_rsbb.core.effects import Level, OpenChannel, PortTaken
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model.messages import DevicesState, TabletState
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 
 
 def _connect(driver, zone="tbm"):

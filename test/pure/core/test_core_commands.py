@@ -9,8 +9,8 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.runs.run import IGNORES_STOP
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.records import EndReason, Phase
-from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.scoring.sheet import Mark
 

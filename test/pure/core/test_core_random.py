@@ -23,8 +23,8 @@ from roah_rsbb.core.views.public import Publicity, PublicResults
 from roah_rsbb.core.views.schedule import ScheduleView, schedule
 from roah_rsbb.document.document import DocumentReader, Followed, Written
 from roah_rsbb.model.document import Document
+from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.records import EndReason, Phase
-from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.model.zone import IDLE
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.results.standings import public_standings

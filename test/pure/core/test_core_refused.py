@@ -1,6 +1,6 @@
 """The texts of refusals."""
 
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.wording.suggestions import did_you_mean
 
 

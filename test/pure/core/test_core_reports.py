@@ -8,7 +8,7 @@ from helpers.commands import COMMANDS
 from helpers.competition import competition, event
 from helpers.examples import examples
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.protocol import RobotState
 
 ROBOTS = (("Alpha", "r1"), ("Beta", "r1"), ("Gamma", "r1"))

@@ -6,8 +6,8 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import UTC0, competition, event
 from roah_rsbb.core import effects
 from roah_rsbb.core.views import views
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import EndReason, Phase
-from roah_rsbb.model.referee import Refused
 from roah_rsbb.protocol import BoxState, RobotState
 
 

@@ -10,7 +10,7 @@ from roah_rsbb.core.copies import STANDBY, CopyReport
 from roah_rsbb.core.restart.restart import Saved
 from roah_rsbb.core.views import views
 from roah_rsbb.model.actions import ENTRIES
-from roah_rsbb.model.referee import Refused, RunName
+from roah_rsbb.model.reason import Refused, RunName
 
 HOST = "10.0.0.3"
 RUN = RunName("tbm")

@@ -12,7 +12,7 @@ from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.views import views
 from roah_rsbb.model.messages import RobotReport, TabletState
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, ScoreValue
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.protocol import RobotState
 
 FEW = 3

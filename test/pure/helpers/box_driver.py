@@ -13,8 +13,8 @@ from roah_rsbb.core.views.document import Documents
 from roah_rsbb.core.views.public import Publicity, PublicResults
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import BoxMessage, RobotReport
+from roah_rsbb.model.reason import RunName
 from roah_rsbb.model.records import Phase
-from roah_rsbb.model.referee import RunName
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.scoring.sheet import Mark
 

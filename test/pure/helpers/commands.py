@@ -1,6 +1,6 @@
 """The referee's commands in a zone, and what a face gives with them."""
 
-from roah_rsbb.model import shown
+from roah_rsbb.model import actions
 from roah_rsbb.model.actions import ACTIONS, Row
 
 # Those that need no choice of an event, and no benchmarking module.
@@ -21,7 +21,7 @@ def mark_with(mark):
 def actions_shown(off=None, hidden=(), fields=None, asked=None, questions=None):
     """The actions of a zone. `off`: by name, the reasons why each is off. `asked`: what a benchmarking module asks for,
     see `forms.shown_form`. `questions`: by name."""
-    known = {name: shown.Shown(
+    known = {name: actions.Shown(
         tuple((off or {}).get(name, ())), name not in hidden and action.row is not Row.MODULE, (fields or {}).get(name),
         question=(questions or {}).get(name, ""),
     ) for name, action in ACTIONS.items()}

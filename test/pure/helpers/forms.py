@@ -2,10 +2,10 @@
 
 import json
 
+from roah_rsbb.model.actions import Shown
 from roah_rsbb.model.fields import Choice, Decimal, Fixed, Number, Toggle, TypedPose
 from roah_rsbb.model.modules import form_of_one
 from roah_rsbb.model.reason import say
-from roah_rsbb.model.shown import Shown
 
 # What no module of this package asks for.
 ODD = (

@@ -4,7 +4,7 @@ import pytest
 
 from helpers.commands import mark_with
 from helpers.competition import BUMPS, DOOR, competition, event
-from roah_rsbb.model.referee import Refused, RunName
+from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.model.scoring import Agreement, JudgesRule
 from roah_rsbb.scoring.sheet import Mark

@@ -15,7 +15,7 @@ from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import How
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState, wire_ns
 from roah_rsbb.radio import wire_convert

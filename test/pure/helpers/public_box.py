@@ -1,7 +1,7 @@
 """What the public may see of a box, as tests want it."""
 
 from helpers.shown_box import MONO, NOW, ShownBox
-from roah_rsbb.model.public import (
+from roah_rsbb.model.document import (
     Public,
     PublicEvent,
     PublicGroup,

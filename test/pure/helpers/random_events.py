@@ -8,7 +8,7 @@ from helpers.commands import COMMANDS, given_with, mark_with
 from helpers.competition import TEAMS, competition, event
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.model.messages import DevicesState, RobotReport, TabletState
-from roah_rsbb.model.referee import Refused, RunName
+from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.scoring.sheet import Mark
 

@@ -11,7 +11,7 @@ from roah_rsbb.comm.frame import decode_private, decode_public
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.modules import RequestKind
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, wire_seconds
 from roah_rsbb.radio import wire_convert

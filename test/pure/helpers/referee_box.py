@@ -3,14 +3,13 @@
 from typing import Any, Callable, Dict, List, Optional, Sequence
 
 from helpers.forms import shown_form
-from roah_rsbb.model.actions import ACTIONS, Row
+from roah_rsbb.model.actions import ACTIONS, Row, Shown
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import BoxSeen, Document, RobotSeen
 from roah_rsbb.model.fields import Field
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.model.scoring import Entered
-from roah_rsbb.model.shown import Shown
 from roah_rsbb.model.zone import (
     CONNECTED,
     ENDED,

@@ -11,8 +11,8 @@ from helpers.results_of import EVIL
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.model.clock import Now
+from roah_rsbb.model.document import PublicRun
 from roah_rsbb.model.modules import RequestKind, ScoreValue
-from roah_rsbb.model.public import PublicRun
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.model.zone import NOTHING, ZoneSeen
 from roah_rsbb.protocol import RobotState

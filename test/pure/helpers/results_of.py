@@ -5,7 +5,7 @@ import pathlib
 
 from helpers.journals import UTC0, Writer
 from roah_rsbb.journal.in_force import InForce, Texts, write_in_force
-from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreEntry, ScoreValue, SignOff, StopRecord
 
 ACHIEVED, PENALIZED, DISQUALIFYING = "Achievements", "Penalized Behaviors", "Disqualifying Behaviors"

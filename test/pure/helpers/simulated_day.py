@@ -24,8 +24,8 @@ from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.zones import key_of
 from roah_rsbb.model.modules import ModuleInfo, ModulesState
+from roah_rsbb.model.reason import RunName
 from roah_rsbb.model.records import Phase
-from roah_rsbb.model.referee import RunName
 from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS

@@ -7,11 +7,11 @@ from tornado import httpclient, websocket
 
 from helpers.toy_document import LOW, Box, Toy, Zone
 from roah_rsbb.box.door import Door
+from roah_rsbb.client.places import DoorPlace
 from roah_rsbb.document.calls import Waiting
 from roah_rsbb.document.document import Written
-from roah_rsbb.document.place import DoorPlace
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 
 HOST = "127.0.0.1"
 TOKEN = "secret"

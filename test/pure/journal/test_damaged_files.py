@@ -20,7 +20,7 @@ from roah_rsbb.journal.file import FILE_NAME, CoreSession, DamagedJournal, Resum
 from roah_rsbb.journal.log import NEWEST, read_chain, scans
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.journal.store import Journal
-from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import RunRecord
 
 COUNT = 20_000 if ALL else 200

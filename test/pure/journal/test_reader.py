@@ -12,7 +12,7 @@ from helpers.journals import UTC0, Writer, spoil
 from roah_rsbb.journal import log
 from roah_rsbb.journal.contents import utc_text
 from roah_rsbb.journal.reader import JournalError, JournalMember, JournalReader, JournalRun
-from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import RunRecord
 
 RECORD = RunRecord("HNF-6667-1.000", "fbm", "HNF", "Alpha", 1, 2, UTC0 - 600.0, UTC0)

@@ -7,10 +7,9 @@ import pickle
 import pytest
 
 from roah_rsbb.document.written import read, write
-from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.actions import ACTIONS, Shown
 from roah_rsbb.model.fields import Choice
 from roah_rsbb.model.reason import Reason, Template, decode, encode, joined, reason_of, say
-from roah_rsbb.model.shown import Shown
 
 SKEW = say("Clock skew of {robot} is {skew}")
 ROBOT = say("the robot")

@@ -6,7 +6,7 @@ import pytest
 
 from helpers.competition import BUMPS, competition, event
 from helpers.journaled import NO_LISTENING, JournaledDriver
-from roah_rsbb.model.referee import Refused, RunName
+from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.scoring import book, unsaved
 from roah_rsbb.scoring.sheet import Mark

@@ -9,7 +9,7 @@ import roah_rsbb
 from helpers.box_driver import BoxDriver
 from helpers.competition import UTC0, competition, event
 from roah_rsbb.core.views.document import Documents
-from roah_rsbb.model.referee import RunName
+from roah_rsbb.model.reason import RunName
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.scoring.sheet import Mark
 

@@ -17,7 +17,7 @@ from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import REPLAY as PREFIX
 from roah_rsbb.model.document import BoxSeen
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.zone import Count
 from roah_rsbb.nodes.replayed_box import CannotReplay, ReplayedBox, configuration, read_run
 

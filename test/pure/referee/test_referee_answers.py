@@ -7,8 +7,7 @@ import pytest
 from helpers.forms import MEASURED, ODD, ODD_ASKED, form
 from helpers.referee_box import FakeLink
 from roah_rsbb.model.fields import Choice, form_of
-from roah_rsbb.model.reason import say
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused, say
 from roah_rsbb.model.zone import Switches
 from roah_rsbb.referee.answers import MAX_IN_A_ROW, AutomaticAnswers, GivenUp, Operations, Typed
 from roah_rsbb.referee.exits import Exit, NoCore

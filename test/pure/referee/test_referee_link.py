@@ -1,7 +1,6 @@
 """The name that a terminal gives itself in the box's records."""
 
-from roah_rsbb.model.document import BoxSeen, Document
-from roah_rsbb.model.public import Public
+from roah_rsbb.model.document import BoxSeen, Document, Public
 from roah_rsbb.referee.link import Link, caller_name
 from roah_rsbb.wording.times import Moments, use_zone
 

@@ -7,8 +7,8 @@ import pytest
 
 from helpers.referee_box import box, zone
 from roah_rsbb.core.actions.events import UNSIGNED
-from roah_rsbb.model.referee import Refused
-from roah_rsbb.model.schedule import EventSeen
+from roah_rsbb.model.reason import Refused
+from roah_rsbb.model.results import EventSeen
 from roah_rsbb.referee import commands, program
 
 

@@ -5,9 +5,8 @@ from types import SimpleNamespace
 import pytest
 
 from helpers.referee_box import ITEMS, UTC0
-from roah_rsbb.model.judging import JudgedRun, Judging
-from roah_rsbb.model.referee import Refused
-from roah_rsbb.model.results import HistoryEntry, RunEnd, RunLine, RunSheet
+from roah_rsbb.model.reason import Refused
+from roah_rsbb.model.results import HistoryEntry, JudgedRun, Judging, RunEnd, RunLine, RunSheet
 from roah_rsbb.referee import judges, view
 from roah_rsbb.referee.sheets import LAST, pick_run, run_lines, sheet_lines
 from roah_rsbb.referee.words import BadWord

@@ -5,12 +5,10 @@ import pathlib
 
 from helpers.forms import form
 from helpers.referee_box import ITEMS, MONO0, NOW, ROBOT, RUN_CLOCK, UTC0, asked, box, robot, running_zone, zone
-from roah_rsbb.model.actions import ACTIONS
+from roah_rsbb.model.actions import ACTIONS, Shown
 from roah_rsbb.model.fields import Choice, form_of
 from roah_rsbb.model.records import GroupPoints, ScoreValue, SheetPoints
-from roah_rsbb.model.results import HistoryEntry, RunEnd, RunLine, RunSheet
-from roah_rsbb.model.schedule import EventSeen
-from roah_rsbb.model.shown import Shown
+from roah_rsbb.model.results import EventSeen, HistoryEntry, RunEnd, RunLine, RunSheet
 from roah_rsbb.model.zone import AllRobots, Count, RunClock, SheetItem, Switches
 from roah_rsbb.referee.state import as_json, box_json, scheduled_json, sheet_json, zone_json, zones_of
 from roah_rsbb.referee.view import Style, zone_lines

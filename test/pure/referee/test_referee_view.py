@@ -12,7 +12,7 @@ from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.fields import Number, form_of
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import GroupPoints, ScoreValue, SheetPoints
-from roah_rsbb.model.schedule import EventSeen
+from roah_rsbb.model.results import EventSeen
 from roah_rsbb.model.zone import AllRobots, SheetItem, Switches
 from roah_rsbb.referee import view
 from roah_rsbb.referee.args import parser

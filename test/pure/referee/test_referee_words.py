@@ -3,7 +3,7 @@
 import pytest
 
 from helpers.referee_box import EVENTS, ITEMS
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.referee.words import BadWord, event_wanted, pick, pick_item, pick_zone, score_wanted, value_of

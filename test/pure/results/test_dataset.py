@@ -12,7 +12,7 @@ from helpers.golden import DATA
 from helpers.journals import UTC0, Writer
 from helpers.results_of import EVIL, full_record, task_record, write_competition
 from roah_rsbb.journal.reader import JournalReader
-from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, Rating
 from roah_rsbb.results.anonymous import names_of
 from roah_rsbb.results.dataset import FILES, TABLES, DatasetOptions, write_dataset

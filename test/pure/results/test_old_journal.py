@@ -13,8 +13,8 @@ from helpers.journaled import NO_LISTENING, JournaledDriver
 from roah_rsbb.core.views.schedule import schedule
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.model.clock import Now
+from roah_rsbb.model.reason import RunName
 from roah_rsbb.model.records import Phase
-from roah_rsbb.model.referee import RunName
 from roah_rsbb.results.program import main as program
 from roah_rsbb.results.standings import standings
 from roah_rsbb.rulebook.standing_rules import DEFAULT

@@ -21,7 +21,7 @@ from roah_rsbb.core.views.public import Publicity, PublicResults
 from roah_rsbb.core.views.schedule import schedule
 from roah_rsbb.core.views.sheets import run_sheet
 from roah_rsbb.journal.reader import JournalReader
-from roah_rsbb.model.referee import Refused, RunName
+from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.results.checklist import checklist
 from roah_rsbb.results.dataset import _run_rows
 from roah_rsbb.results.export import exported, result_rows

@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from helpers.journals import UTC0
-from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.results.events import Stretch
 from roah_rsbb.results.link_report import LEFT, MAX_COLUMNS, RIGHT, WIDTH, LinkRows, link_plot
 from roah_rsbb.results.runs import LinkSecond

@@ -4,8 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from roah_rsbb.model.document import BoxSeen, Document
-from roah_rsbb.model.public import Public
+from roah_rsbb.model.document import BoxSeen, Document, Public
 from roah_rsbb.wording.times import Moments
 
 

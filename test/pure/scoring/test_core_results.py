@@ -8,8 +8,8 @@ from helpers.box_driver import BoxDriver, public_document
 from helpers.competition import BUMPS, DOOR, OBJECTS, UTC0, competition, event, run_record
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model.clock import Now
+from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.records import By, SheetPoints, SignOff
-from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.rulebook.benchmarks import NO_RULES, CountingAttempt
 from roah_rsbb.rulebook.standing_rules import BY_POINTS

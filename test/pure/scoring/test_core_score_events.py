@@ -15,7 +15,7 @@ from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model import run_log
 from roah_rsbb.model.modules import ScoreValue
-from roah_rsbb.model.referee import MAX_NOTE, MAX_WHO, Refused, RunName
+from roah_rsbb.model.reason import MAX_NOTE, MAX_WHO, Refused, RunName
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.protocol import BoxState, RobotState

@@ -4,7 +4,7 @@ import pytest
 
 from helpers.competition import BUMPS, DOOR, OBJECTS, SCORING, UTC0
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.scoring.sheet import MAX_ENTRIES, MAX_NOTED, MAX_VALUE, ONE_ENTRY_S, Mark, ScoreSheet, SheetState

@@ -14,8 +14,8 @@ from helpers.jury import Jury, judged
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.records import RunRecord
-from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.model.scoring import Agreement, ItemChoice, JuryResult, ScoreKind, ScoringItem
 from roah_rsbb.scoring.agreement import ItemValue, agreed

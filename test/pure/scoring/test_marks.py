@@ -14,7 +14,7 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model import run_log
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.referee import MAX_WHO, Refused, RunName
+from roah_rsbb.model.reason import MAX_WHO, Refused, RunName
 from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.model.scoring import ItemChoice, ScoreKind, ScoringItem
 from roah_rsbb.rulebook.benchmarks import Benchmark

@@ -10,8 +10,8 @@ from helpers.competition import UTC0, benchmark, event
 from helpers.examples import few
 from helpers.random_sheets import TIME_LIMIT_S, random_form, random_mark
 from roah_rsbb.model.clock import Now
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import By, ItemRecord, RunRecord
-from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.saved import BadState, freeze, thaw
 from roah_rsbb.model.scoring import (
     GroupLimits,

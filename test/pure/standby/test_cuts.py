@@ -25,7 +25,7 @@ from roah_rsbb.core.copies import STANDBY, SYNC_S, CopyReport
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.file import FILE_NAME, CoreSession, Resume
 from roah_rsbb.journal.store import Journal
-from roah_rsbb.model.referee import Refused, RunName
+from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.scoring import ScoreKind
 from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.scoring.sheet import Mark

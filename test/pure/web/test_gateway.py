@@ -13,10 +13,9 @@ from helpers.http_clients import HOST, HttpClients
 from helpers.public_box import PublicBox, event, run
 from helpers.running_loop import running
 from helpers.shown_box import zone_of
-from roah_rsbb.document.calls import Caller, InThread
+from roah_rsbb.document.calls import WEB_CALLS, Caller, InThread
 from roah_rsbb.ground.params import BadParams
-from roah_rsbb.model.referee import Refused
-from roah_rsbb.model.web_calls import WEB_CALLS
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.web import opening, pairing_calls
 from roah_rsbb.web.gateway import Gateway, GatewayHost
 from roah_rsbb.web.pairing import FILE

@@ -9,13 +9,11 @@ from tornado import httpclient, websocket
 
 from helpers.http_clients import HOST, HttpClients
 from helpers.shown_box import MONO, NOW, ShownBox, zone_of
+from roah_rsbb.document.calls import PAIR, PAIRED, REVOKE
 from roah_rsbb.model.document import RobotSeen, TabletSeen
-from roah_rsbb.model.judging import Judging
 from roah_rsbb.model.messages import DevicesSeen, DevicesState
-from roah_rsbb.model.referee import Refused
-from roah_rsbb.model.results import HistoryEntry, RunEnd, RunLine, RunSheet, UnsavedParts
-from roah_rsbb.model.schedule import EventSeen
-from roah_rsbb.model.web_calls import PAIR, PAIRED, REVOKE
+from roah_rsbb.model.reason import Refused
+from roah_rsbb.model.results import EventSeen, HistoryEntry, Judging, RunEnd, RunLine, RunSheet, UnsavedParts
 from roah_rsbb.model.zone import AllRobots, Count, RobotInRun, RunClock
 from roah_rsbb.web.box_page import documents
 from roah_rsbb.web.box_page.documents import PARTS, devices_page, may_show, whole_sheet_page

@@ -8,9 +8,8 @@ import pytest
 from helpers.shown_box import EVENT
 from roah_rsbb.client.client import UNANSWERED, Answer
 from roah_rsbb.document.written import write
-from roah_rsbb.model.judging import JudgedRun, Judging
 from roah_rsbb.model.reason import say
-from roah_rsbb.model.results import RunLine, RunSheet
+from roah_rsbb.model.results import JudgedRun, Judging, RunLine, RunSheet
 from roah_rsbb.web.calls import PageCalls, call_of
 from roah_rsbb.web.commands import Outcome, command_of
 from roah_rsbb.web.pairing import REFEREE, DeviceSession, Grant

@@ -10,8 +10,7 @@ from tornado import httpclient, websocket
 
 from helpers.http_clients import HOST, HttpClients
 from helpers.public_box import PublicBox
-from roah_rsbb.model.judging import DIFFER, Given, JudgedItem, JudgedRun, Judging
-from roah_rsbb.model.results import RunLine, RunSheet
+from roah_rsbb.model.results import DIFFER, Given, JudgedItem, JudgedRun, Judging, RunLine, RunSheet
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.web.commands import FIELDS, BadCommand, Outcome, command_of, may
 from roah_rsbb.web.displays.listed import Displays

@@ -9,8 +9,7 @@ from helpers.forms import ODD, ODD_ASKED, shown_form
 from helpers.public_box import PublicBox
 from helpers.shown_box import MONO, NOW, ShownBox, zone_of
 from roah_rsbb.core.actions.connecting import SIGNED_OFF
-from roah_rsbb.model.judging import Judging
-from roah_rsbb.model.results import RunLine
+from roah_rsbb.model.results import Judging, RunLine
 from roah_rsbb.model.zone import Count, RunClock
 from roah_rsbb.web import zone_documents
 from roah_rsbb.web.desk import NO_STOP, STOP, Desk

@@ -12,7 +12,7 @@ from helpers.http_clients import HOST, HttpClients
 from helpers.public_box import PublicBox, event, result, run, standing
 from helpers.shown_box import MONO, NOW, zone_of
 from roah_rsbb.model.document import RobotSeen
-from roah_rsbb.model.schedule import EventSeen
+from roah_rsbb.model.results import EventSeen
 from roah_rsbb.model.zone import RobotInRun
 from roah_rsbb.web.kept_file import open_kept
 from roah_rsbb.web.pairing import GUESSES_AT_ONCE, Grant

@@ -6,7 +6,7 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import BUMPS, DOOR
 from helpers.jury import Jury, judged
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.wording.judging import JudgeLine, Judging, off
 
 NAMES = ("Ben", "Cleo")

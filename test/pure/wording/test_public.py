@@ -5,7 +5,7 @@ import pytest
 from helpers.public_box import PublicBox, event, result, run
 from helpers.shown_box import NOW
 from helpers.time_zones import local_time
-from roah_rsbb.model.public import PublicGroup, PublicItem, PublicRank, PublicStanding
+from roah_rsbb.model.document import PublicGroup, PublicItem, PublicRank, PublicStanding
 from roah_rsbb.model.records import GroupPoints, ScoreValue, SheetPoints
 from roah_rsbb.wording import public
 

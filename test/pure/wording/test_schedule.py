@@ -3,7 +3,7 @@
 import pytest
 
 from helpers.time_zones import local_time
-from roah_rsbb.model.schedule import EventSeen
+from roah_rsbb.model.results import EventSeen
 from roah_rsbb.wording import schedule, times
 from roah_rsbb.wording.schedule import EventFilter, Show
 

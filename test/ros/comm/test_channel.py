@@ -130,6 +130,7 @@ class TestGoals(ChannelCase):
                 self.wait_benchmark(0)
                 self.assertEqual(self.published, ALWAYS)
 
+
 class TestResults(ChannelCase):
     """A result goes out in the forms of all generations."""
 

@@ -18,7 +18,7 @@ from support.robots import BROADCAST, RSBB_PORT
 from support.waiting import LIMIT_S, happened, wait_until
 
 from roah_rsbb import msg, srv
-from roah_rsbb.model.schedule import EventSeen
+from roah_rsbb.model.results import EventSeen
 from roah_rsbb.msg import CoreToGui, CoreToPublic, Score
 
 CORE = "/roah_rsbb_core"

@@ -8,8 +8,7 @@ from support.box_case import BoxCase
 from support.box_client import SIGNED_OFF, Refusal
 from support.waiting import wait_until
 
-from roah_rsbb.model.document import Document
-from roah_rsbb.model.public import PublicItem, PublicRank, PublicRun, PublicStanding
+from roah_rsbb.model.document import Document, PublicItem, PublicRank, PublicRun, PublicStanding
 
 DOOR = ("Achievements", "Detects the door whose state has changed")
 FIRST = calendar.timegm((2015, 12, 31, 9, 0, 0))

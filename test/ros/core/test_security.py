@@ -78,7 +78,9 @@ class TestAttacks(BoxCase):
         attacker.send(port, result_of(time.time() + 10.0), team="Alpha")
         self.reported("does not decrypt")
         attacker.send(port, result_of(time.time() - 3600.0), team="Epsilon")  # recorded an hour ago
+
         # While the robot is heard: after a silence of a few seconds another address may replace it.
+
         def attack_after_the_robot() -> None:
             robot.client.notify("here")
             self.network.loop.call_soon(attacker.send, port, result_of(time.time() + 10.0), "Epsilon")
@@ -107,6 +109,7 @@ class TestAttacks(BoxCase):
         attacker.send(RSBB_PORT, pb.RobotBeacon(team_name="Eta", robot_name=name, time=wire(time.time())))
         self.reported("Robot \\x1b[2Jred\\n[ERROR] forged of team Eta is active")
         self.assertFalse([said for said in self.said if "\x1b" in said or "\n[ERROR]" in said])
+
 
 class TestTexts(BoxCase):
     def test_a_text_of_megabytes_is_refused_before_anything_is_done_with_it(self) -> None:

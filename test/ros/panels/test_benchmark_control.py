@@ -8,7 +8,7 @@ from support.fakes.core import FakeCore
 from support.gui_testing import QMessageBox, Qt, QTest, answer, click, limit, question, settle, wait_until
 from support.panel_case import BUMPS, DOOR, PanelCase
 
-from roah_rsbb.model.referee import RunName
+from roah_rsbb.model.reason import RunName
 from roah_rsbb.rqt.model import calls
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
 from roah_rsbb.rqt.qt import QLabel

@@ -6,7 +6,7 @@ from support.gui_testing import Qt, limit, wait_until
 from support.panel_case import PanelCase
 
 from roah_rsbb.document.calls import Caller
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.rqt.panels import pages
 from roah_rsbb.wording.device import NO_WEB
 

@@ -7,7 +7,7 @@ from support.gui_testing import QApplication, QTest, click, wait_until
 from support.panel_case import PanelCase
 from support.window_case import WindowCase, in_sight
 
-from roah_rsbb.model.referee import RunName
+from roah_rsbb.model.reason import RunName
 from roah_rsbb.model.scoring import ItemChoice, JuryResult, ScoreKind, ScoringItem
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
 from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog

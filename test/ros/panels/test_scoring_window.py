@@ -235,7 +235,6 @@ class TestUndo(WindowCase):
         self.scoring.undo._places[0].held.start(0)  # that time is over
         wait_until(self.scoring.undo.buttons[0].isEnabled, "it can be undone a moment later")
 
-
     def test_equal_numbers_of_another_run_are_other_marks(self) -> None:
         for zone in self.ZONES:
             self.run_zone(zone)

@@ -17,7 +17,7 @@ from support.gui_testing import (
 from support.panel_case import BUMPS, DOOR, PanelCase
 
 from roah_rsbb.document.written import write
-from roah_rsbb.model.referee import RunName
+from roah_rsbb.model.reason import RunName
 from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.model.fetched import Sheets
@@ -145,6 +145,7 @@ class TestScoringWithWords(WordsCase):
         self.assertEqual(self.panel.referee.text(), "")
         self.panel.restore_settings(Settings())
         self.assertEqual((self.client.referee.name, self.panel.referee.text()), ("Cleo", "Cleo"))
+
 
 class TestStopReason(WordsCase):
     PANEL = benchmark_control.BenchmarkControlPanel

@@ -74,6 +74,7 @@ class FunctionalityCase(BoxCase):
         """The values of that name in all groups."""
         return [value for (group, known), value in scores.items() if group and known == name]
 
+
 class ModulesProcess(Program):
     """A node of benchmarking modules."""
 
@@ -117,7 +118,6 @@ class FaultsCase(FunctionalityCase):
         """Let the robot complete the goal that it executes, which is its goal of this number."""
         robot.wait_did("execute STB", times)
         robot.let("execute")
-
 
     def scored(self, zone: str, name: str) -> float:
         """The first value of that name, once there is one."""

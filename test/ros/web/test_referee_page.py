@@ -18,8 +18,7 @@ from support.gateway import CORE, URL, ask, wait_served
 from support.waiting import wait_until
 
 from roah_rsbb.document.written import read
-from roah_rsbb.model.judging import JudgedRun
-from roah_rsbb.model.results import RunSheet
+from roah_rsbb.model.results import JudgedRun, RunSheet
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SHOTS = ROOT / "build" / "screenshots"

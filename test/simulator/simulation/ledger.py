@@ -9,8 +9,8 @@ import re
 from decimal import Decimal
 
 from roah_rsbb.core.runs.run import Run
+from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.records import EndReason, Phase
-from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.rulebook.benchmarks import Restarts
 
 from .scheduler import Ended

@@ -17,14 +17,13 @@ from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.devices.devices import HomeDevices, open_settings
 from roah_rsbb.devices.home import BadSetting, Home, devices_state
 from roah_rsbb.devices.sounds import BELL, TIMEOUT, Sound, command_of
-from roah_rsbb.document.calls import Call, Caller, InThread
+from roah_rsbb.document.calls import PAIR, Call, Caller, InThread
 from roah_rsbb.ground.installed import shipped_folder
 from roah_rsbb.ground.linux import end_loop
 from roah_rsbb.ground.loop import call_in_loop
 from roah_rsbb.ground.params import Params
 from roah_rsbb.ground.signs_of_life import WEB_PORT
 from roah_rsbb.model.modules import ModulesState
-from roah_rsbb.model.web_calls import PAIR
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.tablet.tablet_page import TabletPage
 from roah_rsbb.web.gateway import Gateway, GatewayHost

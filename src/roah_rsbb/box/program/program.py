@@ -18,14 +18,22 @@ from roah_rsbb.box.program.parts import LOOPBACK, ControlledDevices, DrivenModul
 from roah_rsbb.box.program.supervisor import CopyingProcess
 from roah_rsbb.box.running import Peripherals, RunningBox
 from roah_rsbb.box.standing_by import wait_for_journal, wait_for_takeover
-from roah_rsbb.client.places import OWN_VARIABLE, door_file_in, is_answering, local_door_file, user_folder
+from roah_rsbb.client.places import (
+    OWN_VARIABLE,
+    NotFound,
+    door_file_in,
+    is_answering,
+    local_door_file,
+    read_place,
+    user_folder,
+    write_place,
+)
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.copies.settings import copy_settings
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.document.calls import EXIT
-from roah_rsbb.document.place import NotFound, read_place, write_place
 from roah_rsbb.ground import linux
 from roah_rsbb.ground.linux import open_in_browser
 from roah_rsbb.ground.params import BadParams, Params

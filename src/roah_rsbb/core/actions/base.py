@@ -10,8 +10,8 @@ from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.fields import Field, read
+from roah_rsbb.model.reason import RunName
 from roah_rsbb.model.records import By
-from roah_rsbb.model.referee import RunName
 
 Given = Mapping[str, Any]  # the values of an action's fields, all of them
 

@@ -6,9 +6,8 @@ from roah_rsbb.core.actions.base import Given, ZoneAction
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.fields import Choice, Field
-from roah_rsbb.model.reason import say
+from roah_rsbb.model.reason import RunName, say
 from roah_rsbb.model.records import By, EndReason, Phase
-from roah_rsbb.model.referee import RunName
 from roah_rsbb.rulebook.registry import BenchmarkKind
 
 DISCONNECT_FIRST = say("A run is connected: disconnect it first")

@@ -10,8 +10,7 @@ from roah_rsbb.core.zones import Zones
 from roah_rsbb.model import fields
 from roah_rsbb.model.actions import ENTRIES, JUDGE_MARK, JUDGES, MARK
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.reason import say
-from roah_rsbb.model.referee import Refused, RunName
+from roah_rsbb.model.reason import Refused, RunName, say
 from roah_rsbb.scoring.sheet import Mark
 
 NO_VALUE = say("The item gets no value: give its value, or say that it was not attempted")

@@ -6,9 +6,8 @@ from roah_rsbb.core.actions.base import Given, ZoneAction
 from roah_rsbb.core.actions.connecting import DISCONNECT_FIRST, STOP_FIRST
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.reason import say
+from roah_rsbb.model.reason import RunName, say
 from roah_rsbb.model.records import By, Phase
-from roah_rsbb.model.referee import RunName
 
 FIRST, LAST = say("This is the zone's first event"), say("This is the zone's last event")
 NO_EVENT = say("zone '{zone}' has no event '{event}' any more: choose it again")

@@ -7,7 +7,7 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Outbox
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.zones import Zones
-from roah_rsbb.model.referee import MAX_NOTE, Refused, RunName, checked_who
+from roah_rsbb.model.reason import MAX_NOTE, Refused, RunName, checked_who
 
 
 class CommandRecord:

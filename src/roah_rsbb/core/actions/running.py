@@ -6,9 +6,8 @@ from roah_rsbb.core.actions.base import Given, ZoneAction
 from roah_rsbb.core.runs.phases import RunEvent, is_possible
 from roah_rsbb.core.zones import NO_RUN, NOTHING_TO_STOP, Zone
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.reason import say
+from roah_rsbb.model.reason import RunName, say
 from roah_rsbb.model.records import By, EndReason, Phase
-from roah_rsbb.model.referee import RunName
 from roah_rsbb.rulebook.benchmarks import Restarts
 
 NOT_RUNNING = say("No run is running")

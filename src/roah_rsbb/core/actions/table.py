@@ -12,12 +12,10 @@ from roah_rsbb.core.effects import Outbox
 from roah_rsbb.core.score_desk import ScoreDesk
 from roah_rsbb.core.zones import Zone, Zones
 from roah_rsbb.model import fields
-from roah_rsbb.model.actions import ACTIONS, EVERY, STOP
+from roah_rsbb.model.actions import ACTIONS, EVERY, STOP, Shown
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.reason import Reason, say
+from roah_rsbb.model.reason import Reason, Refused, RunName, checked_who, cut_note, say
 from roah_rsbb.model.records import By
-from roah_rsbb.model.referee import Refused, RunName, checked_who, cut_note
-from roah_rsbb.model.shown import Shown
 from roah_rsbb.wording.suggestions import did_you_mean
 
 # What each action of `model.actions` does.

@@ -13,8 +13,7 @@ from roah_rsbb.core.link.record import LinkRecorder
 from roah_rsbb.core.link.skew import THE_ROBOT, SkewEstimate, SkewSample, skew_off, within
 from roah_rsbb.core.link.timeline import Freshness, Timeline, TimelineState
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.link import LinkSample
-from roah_rsbb.model.messages import RobotReport
+from roah_rsbb.model.messages import LinkSample, RobotReport
 from roah_rsbb.model.reason import say
 from roah_rsbb.protocol import RobotState, wire_ns
 from roah_rsbb.wording import times

@@ -14,8 +14,7 @@ affected in the same second, check the access point.
 from typing import FrozenSet, List, NamedTuple, Optional, Tuple, TypeVar
 
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.link import ANSWER_S, LinkSample
-from roah_rsbb.model.messages import RobotReport
+from roah_rsbb.model.messages import ANSWER_S, LinkSample, RobotReport
 from roah_rsbb.protocol import BURST_COUNT, BURST_INTERVAL_S, PERIOD_S, BoxState, RobotState, sent_after_change
 
 S = TypeVar("S", float, Optional[float])

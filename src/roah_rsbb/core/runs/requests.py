@@ -10,8 +10,7 @@ from roah_rsbb.core.runs.clock import Countdown, CountdownState
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import GoalMessage
 from roah_rsbb.model.modules import Request
-from roah_rsbb.model.reason import say
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused, say
 
 # Bytes for the rest of a datagram that carries a goal: frame, cipher, code, state, acknowledgement, a pose.
 GOAL_OVERHEAD = 140

@@ -8,10 +8,9 @@ from roah_rsbb.core.views.public import NOTHING_ALLOWED, Publicity, PublicViews
 from roah_rsbb.core.views.schedule import EventLine, ScheduleView, events_shown
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import BoxSeen, Document
-from roah_rsbb.model.judging import Judging
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import RunRecord
-from roah_rsbb.model.results import RunLine, UnsavedParts
+from roah_rsbb.model.results import Judging, RunLine, UnsavedParts
 from roah_rsbb.scoring.counting import Why
 
 # Until an end of a run is on all disks on which it must be.

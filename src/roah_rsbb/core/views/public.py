@@ -13,8 +13,7 @@ from roah_rsbb.core.runs.online_data import MAX_SAID
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.modules import OutcomeKind, RequestKind
-from roah_rsbb.model.public import (
+from roah_rsbb.model.document import (
     Public,
     PublicEvent,
     PublicGroup,
@@ -24,6 +23,7 @@ from roah_rsbb.model.public import (
     PublicStanding,
     RobotText,
 )
+from roah_rsbb.model.modules import OutcomeKind, RequestKind
 from roah_rsbb.model.records import ItemRecord, Phase, RunRecord, grouped
 from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.protocol import BoxState

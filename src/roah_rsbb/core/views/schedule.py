@@ -16,7 +16,7 @@ from roah_rsbb.core.views.sheets import sums_of_record
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import RAN_TO_THE_END, Phase, RunRecord
-from roah_rsbb.model.schedule import EventSeen
+from roah_rsbb.model.results import EventSeen
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent, ZonePlan
 from roah_rsbb.scoring.counting import EventResult
 

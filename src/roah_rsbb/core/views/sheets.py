@@ -5,21 +5,24 @@ import zlib
 from typing import Iterable, List, Optional, Sequence, Tuple
 
 from roah_rsbb.core.judge_desk import RunJudging
-from roah_rsbb.model.judging import (
+from roah_rsbb.model.reason import joined
+from roah_rsbb.model.records import ItemRecord, JudgeSheet, Objection, RunRecord, ScoreEntry, grouped
+from roah_rsbb.model.results import (
     AGREED,
     DIFFER,
     NOT_JUDGED,
     SETTLED,
     Given,
+    HistoryEntry,
     JudgedItem,
     JudgedRun,
     JudgeLine,
     Judging,
     ObjectionLine,
+    RunEnd,
+    RunLine,
+    RunSheet,
 )
-from roah_rsbb.model.reason import joined
-from roah_rsbb.model.records import ItemRecord, JudgeSheet, Objection, RunRecord, ScoreEntry, grouped
-from roah_rsbb.model.results import HistoryEntry, RunEnd, RunLine, RunSheet
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.model.scoring import Number, ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.model.zone import SheetItem

@@ -11,8 +11,7 @@ import rosgraph
 import rospy
 
 from roah_rsbb.box.box_door import BoxDoor
-from roah_rsbb.client.places import PARAM, file_of
-from roah_rsbb.document.place import NotFound, read_place, write_place
+from roah_rsbb.client.places import PARAM, NotFound, file_of, read_place, write_place
 from roah_rsbb.web.serving import ANY_HOST
 
 RETRY_S = 1.0

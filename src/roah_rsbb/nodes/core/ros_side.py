@@ -16,7 +16,7 @@ from std_srvs.srv import Empty as EmptySrv
 from roah_rsbb.box.program.program import BoxProgram
 from roah_rsbb.box.running import PERIOD_S
 from roah_rsbb.ground.loop import call_in_loop
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.nodes.core.devices import NODE, DevicesInRos
 from roah_rsbb.nodes.core.door_place import NodePlace, place_of_node, publish_door, publish_param
 from roah_rsbb.nodes.core.original_topics import OriginalTopics, publish

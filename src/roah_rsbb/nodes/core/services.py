@@ -8,7 +8,7 @@ from roah_rsbb.box.calls import BoxCalls, full_name
 from roah_rsbb.core.actions.table import NOTHING, Target, confirmed_by
 from roah_rsbb.core.box import Box
 from roah_rsbb.model.actions import ACTIONS, MARK, STOP
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.ros import refusals, texts
 from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.ros.loop_services import LoopServices

@@ -3,8 +3,8 @@
 from functools import partial
 from urllib.parse import urlencode
 
+from roah_rsbb.document.calls import PAIR, PAIRED
 from roah_rsbb.ground.linux import open_in_browser
-from roah_rsbb.model.web_calls import PAIR, PAIRED
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels.panel import AnswerLine, Panel
 from roah_rsbb.rqt.qt import QMenu, Qt, QTimer, QToolButton

@@ -1,6 +1,6 @@
 """A panel with a growing text: the base of Online Data and Log Display."""
 
-from roah_rsbb.client.tail import added
+from roah_rsbb.document.difference import added
 from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.rqt.panels.collapsing import CollapsingPanel
 from roah_rsbb.rqt.qt import QCheckBox, QFontDatabase, QPlainTextEdit, QTextCursor

@@ -21,22 +21,20 @@ from roah_rsbb.box.program.main import log_to_terminal
 from roah_rsbb.box.settings import BoxSettings, of_words
 from roah_rsbb.box.standing_by import wait_for_takeover
 from roah_rsbb.client.client import Client, Offer
-from roah_rsbb.client.places import door_file_in
+from roah_rsbb.client.places import DoorPlace, door_file_in, read_place
 from roah_rsbb.copies.folder import Stick
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.copies.reported import ReportedCopy
 from roah_rsbb.copies.settings import PARENT, CopySettings, copy_settings
 from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, HELPER, STOPPED, Caller
-from roah_rsbb.document.place import DoorPlace, read_place
 from roah_rsbb.ground import linux
 from roah_rsbb.ground.durable import close_to_others
 from roah_rsbb.ground.params import BadParams
 from roah_rsbb.ground.signs_of_life import Lifeline
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.model.document import Document
-from roah_rsbb.model.reason import encode
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused, encode
 from roah_rsbb.standby import codes
 from roah_rsbb.standby.box_end import BoxEnd
 from roah_rsbb.standby.herald import Herald

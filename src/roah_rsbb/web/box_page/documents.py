@@ -11,8 +11,7 @@ from roah_rsbb.document.calls import RING
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.messages import DevicesSeen
-from roah_rsbb.model.results import RunLine, RunSheet
-from roah_rsbb.model.schedule import EventSeen
+from roah_rsbb.model.results import EventSeen, RunLine, RunSheet
 from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.protocol import wire_seconds
 from roah_rsbb.web.documents import Data

@@ -4,9 +4,8 @@
 import asyncio
 from typing import Any
 
-from roah_rsbb.document.calls import Caller, InThread
-from roah_rsbb.model.referee import Refused
-from roah_rsbb.model.web_calls import PAIR, PAIRED, REVOKE
+from roah_rsbb.document.calls import PAIR, PAIRED, REVOKE, Caller, InThread
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.web.pairing import ORGANISER
 from roah_rsbb.web.qr_code import modules_of
 from roah_rsbb.web.writing import OfOrganiser

@@ -13,7 +13,7 @@ from roah_rsbb.model import run_log
 from roah_rsbb.model.actions import ACTIONS, Row
 from roah_rsbb.model.fields import entered, fixed, form_text
 from roah_rsbb.model.modules import RequestKind
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.protocol import RobotState
 
 NAMES = [name for name, action in ACTIONS.items() if action.row is Row.MODULE]

@@ -9,9 +9,8 @@ from roah_rsbb.core.actions import table
 from roah_rsbb.core.actions.connecting import SIGNED_OFF
 from roah_rsbb.core.actions.table import KINDS, Target, confirmed_by
 from roah_rsbb.model.actions import ACTIONS, ENTRIES, EVERY
-from roah_rsbb.model.reason import decoded, encoded
+from roah_rsbb.model.reason import Refused, RunName, decoded, encoded
 from roah_rsbb.model.records import Phase
-from roah_rsbb.model.referee import Refused, RunName
 
 
 def refusal(driver, target, name, given=None):

@@ -7,8 +7,7 @@ from helpers.competition import UTC0
 from roah_rsbb.core.link.link import RobotLink
 from roah_rsbb.core.link.record import skipped_states
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.link import LinkSample
-from roah_rsbb.model.messages import RobotReport
+from roah_rsbb.model.messages import LinkSample, RobotReport
 from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.protocol import BURST_COUNT, BURST_INTERVAL_S, BoxState, RobotState, sent_after_change
 

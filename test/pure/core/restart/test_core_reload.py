@@ -11,8 +11,8 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.restart.restart import Saved
 from roah_rsbb.core.views.schedule import EventState, schedule
+from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.records import Phase
-from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import EventRules, ZonePlan

@@ -24,8 +24,8 @@ from roah_rsbb.core.zones import ZoneState
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import DevicesState, TabletState
 from roah_rsbb.model.modules import RequestKind, ScoreValue
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import RunRecord
-from roah_rsbb.model.referee import Refused
 from roah_rsbb.model.saved import Anchor, freeze, thaw
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, PhaseRule, Restarts

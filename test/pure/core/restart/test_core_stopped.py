@@ -17,8 +17,8 @@ from roah_rsbb.core.restart.restart import Saved
 from roah_rsbb.core.runs.run import SETTLED_S, UnrecordedStop
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.modules import OutcomeKind, RequestKind
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import By, EndReason, Phase
-from roah_rsbb.model.referee import Refused
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.machine import box_transition
 

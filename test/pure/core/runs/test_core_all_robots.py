@@ -21,8 +21,8 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model import run_log
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import EndReason
-from roah_rsbb.model.referee import Refused
 
 # -- connect ------------------------------------------------------------------------------------------
 

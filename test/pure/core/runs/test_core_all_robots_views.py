@@ -18,7 +18,7 @@ from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.views import views
 from roah_rsbb.model import run_log
-from roah_rsbb.model.referee import Refused
+from roah_rsbb.model.reason import Refused
 
 
 def test_log_and_online_data_of_all_are_shown_with_the_robots_names():

@@ -10,8 +10,8 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.views.schedule import EventState, schedule
 from roah_rsbb.core.views.views import coming_events
+from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.records import EndReason
-from roah_rsbb.model.referee import Refused, RunName
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
 from roah_rsbb.scoring.counting import Why

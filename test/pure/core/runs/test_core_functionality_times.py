@@ -10,8 +10,8 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model.modules import OutcomeKind, RequestKind, ScoreValue
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import EndReason, Phase
-from roah_rsbb.model.referee import Refused
 from roah_rsbb.protocol import BoxState, RobotState
 
 WAYPOINT = {"goal": "[1.0, 2.0, 0.5]", "pose": (1.0, 2.0, 0.5)}

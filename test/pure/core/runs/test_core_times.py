@@ -9,8 +9,8 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.model import run_log
 from roah_rsbb.model.modules import RequestKind
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import EndReason, Phase
-from roah_rsbb.model.referee import Refused
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, PhaseRule, Restarts
 

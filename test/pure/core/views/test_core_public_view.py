@@ -11,8 +11,8 @@ from helpers.module_player import started
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.core.views.public import MAX_FINISHED, MAX_FOLLOWING, Publicity, PublicResults
 from roah_rsbb.model.modules import RequestKind, ScoreValue
+from roah_rsbb.model.reason import RunName
 from roah_rsbb.model.records import ItemRecord, SignOff
-from roah_rsbb.model.referee import RunName
 from roah_rsbb.results.standings import public_standings
 from roah_rsbb.rulebook.standing_rules import Overall, StandingPart, StandingRules
 from roah_rsbb.wording import times

@@ -6,7 +6,7 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import UTC0, competition, event
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.schedule import NO_LIMIT_S, SETUP_S, events_shown, schedule, slot_lengths
-from roah_rsbb.model.referee import Refused, RunName
+from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, ZonePlan
 
 MINUTE = 60.0

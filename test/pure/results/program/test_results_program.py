@@ -17,7 +17,7 @@ from helpers.results_of import EVIL, full_record, keep_files, task_record, write
 from roah_rsbb.journal.batch import Batch, OutcomeRow
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
-from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, PhaseTime, RunRecord, ScoreEntry, ScoreValue
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.results import export

@@ -24,7 +24,7 @@ from helpers.replayed import ReplayedCompetition
 from helpers.results_of import ACHIEVED, DOOR, EVIL, full_record, task_record, write_competition
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
-from roah_rsbb.model.link import LinkSample
+from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, PhaseTime, ScoreEntry, ScoreValue, StopRecord
 from roah_rsbb.results.events import sections
 from roah_rsbb.results.program import main as program

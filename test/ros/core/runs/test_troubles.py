@@ -47,6 +47,7 @@ class TestTime(BoxCase):
         box.wait_zone("Timeout", lambda z: z.start_enabled and z.code == "HWV", "a new run of the same event is there")
         self.assertEqual(box.timeouts, 1)
 
+
 class TestRobots(BoxCase):
     """Robots that are strangers."""
 

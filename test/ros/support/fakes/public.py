@@ -2,7 +2,7 @@
 
 from typing import Any, Dict
 
-from roah_rsbb.model.public import (
+from roah_rsbb.model.document import (
     Public,
     PublicEvent,
     PublicGroup,
