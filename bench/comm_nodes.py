@@ -17,7 +17,7 @@ from typing import Dict, List, Optional, Tuple
 from processes import ROOT, free_port
 from table import Results
 
-from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
+from roah_rsbb.comm.channels import Network, PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
@@ -42,9 +42,9 @@ class Played:
         self._robot = RobotState.STOP
         self._changed = asyncio.Event()
         self.reached: Dict[RobotState, int] = {}  # when the robot's message with a new state arrived, ns
-        self._public = PublicChannel(loop, BROADCAST, port, lambda *_: None, print, bind_host=BOX_HOST)
-        self._private = PrivateChannel(loop, BROADCAST, self._private_port, Key(PASSWORD), self._hear, print,
-                                       bind_host=BOX_HOST)
+        network = Network(BROADCAST, port, BOX_HOST)
+        self._public = PublicChannel(loop, network, lambda *_: None, print)
+        self._private = PrivateChannel(loop, network, self._private_port, Key(PASSWORD), self._hear, print)
         self._private.remote = ROBOT_HOST
         self._public.open()
         self._private.open()

@@ -15,7 +15,7 @@ from typing import Callable, Deque, List, NamedTuple, Optional, Tuple
 from addresses import BOX_HOST, BROADCAST, PUBLIC_HOST, host_of
 
 from roah_rsbb.comm import frame
-from roah_rsbb.comm.channels import PublicChannel
+from roah_rsbb.comm.channels import Network, PublicChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
@@ -181,8 +181,8 @@ class Fleet:
         self._by_team = {robot.team: robot for robot in self.robots}
         self._public_port = public_port
         self._public = PublicChannel(
-            self.loop, BROADCAST, public_port, self._on_public, lambda text: None, bind_host=PUBLIC_HOST,
-            max_datagram=65000)
+            self.loop, Network(BROADCAST, public_port, PUBLIC_HOST, max_datagram=65000), self._on_public,
+            lambda text: None)
         self._thread = threading.Thread(target=self.loop.run_forever, name="robots", daemon=True)
 
     def __enter__(self) -> "Fleet":

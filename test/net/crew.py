@@ -9,7 +9,7 @@ from namespaces import BROADCAST, LIMIT_S, Station
 from support.waiting import happened, wait_until
 
 from helpers.box_beacon import box_beacon
-from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
+from roah_rsbb.comm.channels import Network, PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import RobotState
@@ -184,7 +184,7 @@ class Stranger:
 
     async def _send(self) -> None:
         channel = PublicChannel(
-            self._host.loop, BROADCAST, RSBB_PORT, lambda message, sender: None, lambda text: None)
+            self._host.loop, Network(BROADCAST, RSBB_PORT), lambda message, sender: None, lambda text: None)
         channel.open()
         try:
             while True:
@@ -206,7 +206,8 @@ class Impostor:
     def __init__(self, station: Station, team: str, port: int, box: str) -> None:
         self._host = station.host
         self._channel = PrivateChannel(
-            self._host.loop, BROADCAST, port, Key(password_of(team)), lambda message, sender: None, lambda text: None)
+            self._host.loop, Network(BROADCAST), port, Key(password_of(team)), lambda message, sender: None,
+            lambda text: None)
         self._channel.remote = box
         self._sending = self._host.begin(self._send())
 

@@ -12,7 +12,7 @@ from std_msgs.msg import UInt32
 from std_srvs.srv import SetBool, Trigger
 from support.waiting import wait_until
 
-from roah_rsbb.comm.channels import PublicChannel
+from roah_rsbb.comm.channels import Network, PublicChannel
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 CODES = "HGTKMH HWV HCFGAC HOPF HNF HSUF HPPF HPFF HGMF HOMF STB".split()
@@ -111,8 +111,8 @@ def test_bell_and_tablet(box, running, probe):
 def _touch_tablet(port: int, probe: Probe) -> None:
     """Send beacons of a tablet until the robot has heard of its call."""
     async def send() -> None:
-        channel = PublicChannel(asyncio.get_event_loop(), BROADCAST, port, lambda *_: None, print,
-                                bind_host="127.46.0.9", apart=True)
+        channel = PublicChannel(asyncio.get_event_loop(), Network(BROADCAST, port, "127.46.0.9"), lambda *_: None,
+                                print, apart=True)
         channel.open()
         never, now = pb.Time(sec=0, nsec=0), pb.Time(sec=int(time.time()), nsec=0)
         for _ in range(3):  # what was before the first beacon is no call

@@ -16,8 +16,7 @@ from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password, password_i
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import Result
-from roah_rsbb.robot.machine import IllegalEvent
-from roah_rsbb.robot.override import override_goal_message, override_message
+from roah_rsbb.robot.machine import IllegalEvent, override_goal_message, override_message
 from roah_rsbb.robot.runner import SessionRunner
 from roah_rsbb.rulebook.registry import DEVICES, STRINGS, TABLET, ResultForm, profile_of
 from roah_rsbb_comm.interface import Interface, Requests

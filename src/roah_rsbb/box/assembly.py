@@ -14,9 +14,8 @@ from roah_rsbb.box.fence import Fence, end_superseded, running_s
 from roah_rsbb.box.journal import CoreJournal, competition, saved_state
 from roah_rsbb.box.standby_answers import StandbyAnswers
 from roah_rsbb.box.stops import ChannelNotes, Memory, NoMemory, StopNotes
-from roah_rsbb.comm.channels import MakePeer
+from roah_rsbb.comm.channels import MakePeer, Network, Seen
 from roah_rsbb.comm.peer import Peer
-from roah_rsbb.comm.seen import Seen
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.settings import Settings
@@ -27,7 +26,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import Phase
 from roah_rsbb.model.results import UnsavedParts
-from roah_rsbb.radio.radio import CoreRadio, Network, beacon_size
+from roah_rsbb.radio.radio import CoreRadio, beacon_size
 from roah_rsbb.radio.short_way import Turns
 from roah_rsbb.rulebook.benchmarks import Config, ZonePlan
 from roah_rsbb.standby.clocks import ahead_of

@@ -3,13 +3,13 @@
 from typing import List, NamedTuple, Optional
 
 from roah_rsbb.box.settings import BoxSettings, of_box
+from roah_rsbb.comm.channels import Network
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.public import Publicity, PublicResults
 from roah_rsbb.ground.params import BadParams, Params
 from roah_rsbb.journal.file import Resume
-from roah_rsbb.radio.radio import Network
 from roah_rsbb.results.standings import public_standings
 
 # How private channels send (parameter private_mode).

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.check.bad_network import BadNetwork
+from roah_rsbb.comm.channels import Network
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import Effect
@@ -26,7 +27,7 @@ from roah_rsbb.model.modules import (
 )
 from roah_rsbb.protocol import BoxState, WireTime, wire_seconds
 from roah_rsbb.radio.driver import NetworkDriver
-from roah_rsbb.radio.radio import Network, beacon_size
+from roah_rsbb.radio.radio import beacon_size
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_LIMIT, Benchmark, Config, ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind, new_profile
 

@@ -21,7 +21,7 @@ from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
 from roah_rsbb.check.box import another_box
 from roah_rsbb.comm import sockets
-from roah_rsbb.comm.channels import MakePeer
+from roah_rsbb.comm.channels import MakePeer, Network
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
 from roah_rsbb.core import effects
@@ -39,7 +39,7 @@ from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import EndReason, Phase, ScoreValue
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.radio.driver import NetworkDriver
-from roah_rsbb.radio.radio import Network, beacon_size
+from roah_rsbb.radio.radio import beacon_size
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Benchmark, Config, ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.errors import ConfigErrors

@@ -13,7 +13,7 @@ from roah_rsbb.check.bad_network import PERFECT, BadNetwork
 from roah_rsbb.check.box import CheckBox, CheckRecord, HeardReport, NetworkInUse
 from roah_rsbb.check.findings import Cause, Finding, ScenarioResult, Verdict
 from roah_rsbb.check.stalls import Stalls
-from roah_rsbb.comm.channels import MakePeer
+from roah_rsbb.comm.channels import MakePeer, Network
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.core.actions.table import Target
@@ -21,7 +21,6 @@ from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.model.modules import OutcomeKind
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.radio.radio import Network
 from roah_rsbb.rulebook.registry import PROFILES, GoalForm, profile_of
 
 # Seconds. A robot repeats each state in a burst and then each second, so these allow two lost datagrams.

@@ -2,7 +2,8 @@
 
 import asyncio
 import ipaddress
-from typing import Any, Callable, Optional, Tuple, Type
+import mmap
+from typing import Any, Callable, NamedTuple, Optional, Tuple, Type
 
 from google.protobuf.message import Message
 
@@ -10,14 +11,85 @@ from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.complaints import Complaints
 from roah_rsbb.comm.peer import Address, Peer
-from roah_rsbb.comm.seen import FilterPlace, Seen
 from roah_rsbb.comm.sockets import ANY_HOST
+
+# -- copies of datagrams ------------------------------------------------------------------------------
+
+# A sender encrypts each datagram with a new random initialisation vector, so only a copy has a known ciphertext: the
+# network duplicated it, or somebody recorded it and sends it again. The protocol itself cannot distinguish a copy
+# (docs/protocol.md, "Frame").
+#
+# This is a Bloom filter whose bits of one ciphertext are in one word, so that it touches little memory. It never
+# forgets one of the last `bits // BITS_PER_ENTRY` ciphertexts. It mistakes some new ones for a copy, at most about one
+# in 1,000, and that datagram counts as lost. Two filters take turns, so that neither fills up.
+
+
+# Bits for each ciphertext in a full filter, which then mistakes one in 2,000 new ciphertexts for a copy.
+BITS_PER_ENTRY = 32
+
+
+class FilterPlace(NamedTuple):
+    """Where a ciphertext is in a filter."""
+
+    word: int
+    bits: int
+
+
+class Seen:
+    """A set of ciphertexts of bounded size."""
+
+    def __init__(self, bits: int = 2**26) -> None:
+        """`bits`: size of each of the two filters, a power of two. Memory is used only as they fill."""
+        self._bits = bits
+        self._capacity = bits // BITS_PER_ENTRY
+        self._count = 0
+        self._filter = _words(bits)
+        self._before: Optional[memoryview] = None  # the previous, full filter
+
+    def place(self, ciphertext: bytes) -> FilterPlace:
+        """Return the place of a ciphertext, for the other methods: five bits of one word."""
+        # Python's hash of bytes has a secret of this process: nobody can choose ciphertexts that collide.
+        number = hash(ciphertext)
+        return FilterPlace((number >> 30) % len(self._filter), (
+            1 << (number & 63) | 1 << (number >> 6 & 63) | 1 << (number >> 12 & 63) | 1 << (number >> 18 & 63)
+            | 1 << (number >> 24 & 63)))
+
+    def add(self, place: FilterPlace) -> None:
+        """Remember a ciphertext."""
+        if self._count >= self._capacity:
+            self._before, self._filter = self._filter, _words(self._bits)
+            self._count = 0
+        self._filter[place.word] |= place.bits
+        self._count += 1
+
+    def __contains__(self, place: FilterPlace) -> bool:
+        word, bits = place
+        return self._filter[word] & bits == bits or (self._before is not None and self._before[word] & bits == bits)
+
+
+def _words(bits: int) -> memoryview:
+    # The system gives each page of it when a bit there is set first. A bytearray would write all of them at once.
+    return memoryview(mmap.mmap(-1, bits // 8)).cast("Q")
+
+# -- channels -----------------------------------------------------------------------------------------
+
 
 OnDatagram = Callable[[bytes, Address], None]
 OnMessage = Callable[[Any, Address], None]
 OnComplaint = Callable[[str], None]
 MakePeer = Callable[..., Peer]
 _COPY = object()  # instead of a message that was accepted before
+
+
+class Network(NamedTuple):
+    """Parameters of the network."""
+
+    rsbb_host: str  # broadcast address
+    rsbb_port: int = 6666  # of the public channel
+    bind_host: str = ANY_HOST  # own address
+    cipher: Cipher = Cipher.AES_128_CBC  # for sending on private channels
+    broadcast: bool = False  # private_mode: answer robots by broadcast, as the original did
+    max_datagram: int = 1024  # bytes
 
 
 class _Channel:
@@ -98,16 +170,8 @@ class PublicChannel(_Channel):
     """Plain broadcast messages: beacons of box, robots and tablet."""
 
     def __init__(
-        self,
-        loop: asyncio.AbstractEventLoop,
-        rsbb_host: str,
-        rsbb_port: int,
-        on_message: OnMessage,
-        on_complaint: OnComplaint,
-        bind_host: str = ANY_HOST,
-        max_datagram: int = 1024,
-        apart: bool = False,
-        make_peer: Optional[MakePeer] = None,
+        self, loop: asyncio.AbstractEventLoop, network: Network, on_message: OnMessage, on_complaint: OnComplaint,
+        apart: bool = False, make_peer: Optional[MakePeer] = None,
     ) -> None:
         """Opens nothing yet: see `open`.
 
@@ -116,7 +180,8 @@ class PublicChannel(_Channel):
         another network.
         """
         peer = (make_peer or Peer)(
-            loop, rsbb_host, rsbb_port, self.receive, on_complaint, bind_host, max_datagram, apart=apart)
+            loop, network.rsbb_host, network.rsbb_port, self.receive, on_complaint, network.bind_host,
+            network.max_datagram, apart=apart)
         super().__init__(
             peer, "public channel", frame.PUBLIC_TYPES, frame.decode_public,
             loop, on_message, on_complaint)
@@ -134,33 +199,22 @@ class PrivateChannel(_Channel):
     """Encrypted messages between the box and one robot. The port number is the same on both sides."""
 
     def __init__(
-        self,
-        loop: asyncio.AbstractEventLoop,
-        rsbb_host: str,
-        port: int,
-        key: Key,
-        on_message: OnMessage,
-        on_complaint: OnComplaint,
-        cipher: Cipher = Cipher.AES_128_CBC,
-        bind_host: str = ANY_HOST,
-        broadcast: bool = False,
-        max_datagram: int = 1024,
-        read: Callable[[bytes], Any] = frame.private_message,
-        seen: Optional[Seen] = None,
-        on_copy: Callable[[Address], None] = lambda sender: None,
-        make_peer: Optional[MakePeer] = None,
-        on_datagram: Optional[OnDatagram] = None,
+        self, loop: asyncio.AbstractEventLoop, network: Network, port: int, key: Key, on_message: OnMessage,
+        on_complaint: OnComplaint, *, read: Callable[[bytes], Any] = frame.private_message,
+        seen: Optional[Seen] = None, on_copy: Callable[[Address], None] = lambda sender: None,
+        make_peer: Optional[MakePeer] = None, on_datagram: Optional[OnDatagram] = None,
     ) -> None:
-        """Like `PublicChannel`. `cipher` is used for sending (ValueError for NONE); all ciphers are accepted.
+        """Like `PublicChannel`. ValueError if the network has no cipher; for receiving, all ciphers are accepted.
 
-        `broadcast`: send to rsbb_host, as the original box did, instead of `remote`. `read` converts a decrypted
-        payload to the argument of `on_message`, or raises `BadDatagram`. `seen`: what was remembered by `remember`; a
-        copy of that is not read, and `on_copy` gets its sender. `on_datagram` gets each datagram instead of `receive`.
+        `read` converts a decrypted payload to the argument of `on_message`, or raises `BadDatagram`. `seen`: what was
+        remembered by `remember`; a copy of that is not read, and `on_copy` gets its sender. `on_datagram` gets each
+        datagram instead of `receive`.
         """
-        if cipher is Cipher.NONE:
+        if network.cipher is Cipher.NONE:
             raise ValueError("a private channel must be encrypted: choose a cipher")
         peer = (make_peer or Peer)(
-            loop, rsbb_host, port, on_datagram or self.receive, on_complaint, bind_host, max_datagram, shared=False)
+            loop, network.rsbb_host, port, on_datagram or self.receive, on_complaint, network.bind_host,
+            network.max_datagram, shared=False)
         super().__init__(
             peer, f"private channel {port}", frame.PRIVATE_TYPES,
             self._decrypt, loop, on_message, on_complaint)
@@ -169,8 +223,8 @@ class PrivateChannel(_Channel):
         self._seen = seen
         self._on_copy = on_copy
         self._place: Optional[FilterPlace] = None  # in `seen`, of the datagram that is being read
-        self._cipher = cipher
-        self._broadcast = broadcast
+        self._cipher = network.cipher
+        self._broadcast = network.broadcast
         self._remote: Optional[str] = None
 
     @property

@@ -6,13 +6,130 @@ complete message of the channel or raises `BadDatagram`.
 
 import enum
 import struct
-from typing import Any, Dict, NamedTuple, Optional, Tuple, Type
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple, Type
 
+from google.protobuf.descriptor import Descriptor, FieldDescriptor
 from google.protobuf.message import Message
 
-from roah_rsbb.comm import wire_check
 from roah_rsbb.comm.ciphers import BLOCK_SIZE, Cipher, Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+
+# -- before the protobuf library parses it ------------------------------------------------------------
+
+# The implementations of the library (C++, upb, Python) and its versions treat invalid input differently: text that is
+# not UTF-8 causes an exception, a `bytes` value, or a line on standard error for every datagram; a stray end-group tag
+# truncates the message with a warning; nested groups exhaust Python's stack. This check rejects all such input in the
+# same way and at bounded cost.
+
+
+_VARINT, _FIXED_64, _LENGTH, _FIXED_32 = 0, 1, 2, 5
+_MAX_VARINT_BYTES = 10
+_MAX_TAG = 2**32 - 1
+
+# What `check` inspects: tag -> the field's name (for a string), or the Texts of an inner message.
+Texts = Dict[int, Any]
+
+
+class Malformed(Exception):
+    """The bytes are not a serialised message."""
+
+
+class NotUtf8(Exception):
+    """A string field's bytes are not UTF-8; the only argument is the field's name."""
+
+
+class _TooMany(Exception):
+    """There are more fields than a valid message has."""
+
+
+def texts_of(descriptor: Descriptor) -> Texts:
+    """Build the table that `check` needs for a type of message."""
+    texts: Texts = {}
+    for field in descriptor.fields:
+        tag = field.number << 3 | _LENGTH
+        if field.type == FieldDescriptor.TYPE_STRING:
+            texts[tag] = field.name
+        elif field.type == FieldDescriptor.TYPE_MESSAGE:
+            texts[tag] = texts_of(field.message_type)
+    return texts
+
+
+def check(protobuf: bytes, texts: Texts, max_fields: int) -> None:
+    """Raise Malformed or NotUtf8 unless `protobuf` is a sequence of complete fields with UTF-8 texts.
+
+    `max_fields`, including those of inner messages, bounds the work for 65 kB. Unknown fields are not inspected,
+    because the library keeps them as bytes.
+    """
+    budget = [max_fields]
+    try:
+        _check(protobuf, texts, budget)
+    except _TooMany:
+        raise Malformed(f"it has more than {max_fields} fields") from None
+    except IndexError:
+        raise Malformed("it ends within a field") from None
+
+
+def _check(protobuf: bytes, texts: Texts, budget: List[int]) -> None:
+    position, end = 0, len(protobuf)
+    while position < end:
+        budget[0] -= 1
+        if budget[0] < 0:
+            raise _TooMany
+        tag, position = varint(protobuf, position)
+        # Field numbers have up to 29 bits. The C++ library accepts superfluous zero bytes at the end of a tag, which
+        # no encoder writes; the Python library does not.
+        if not 8 <= tag <= _MAX_TAG or not protobuf[position - 1]:
+            raise Malformed("it has an impossible field number")
+        wire_type = tag & 7
+        if wire_type == _LENGTH:
+            size, start = varint(protobuf, position)
+            position = start + size
+            if position > end:
+                raise IndexError
+            text = texts.get(tag)
+            if text is not None:
+                _check_text(protobuf[start:position], text, budget)
+        elif wire_type == _VARINT:
+            _, position = varint(protobuf, position)
+        elif wire_type == _FIXED_64:
+            position += 8
+        elif wire_type == _FIXED_32:
+            position += 4
+        else:
+            raise Malformed(f"it has a field of wire type {wire_type}, which no message uses")
+    if position > end:
+        raise IndexError
+
+
+def _check_text(value: bytes, text: Any, budget: List[int]) -> None:
+    if not isinstance(text, str):
+        _check(value, text, budget)
+        return
+    try:
+        value.decode("utf-8")
+    except UnicodeDecodeError:
+        raise NotUtf8(text) from None
+
+
+def varint(protobuf: bytes, position: int) -> Tuple[int, int]:
+    """Read the number at `position`; returns it and the next position.
+
+    Raises IndexError at the end of the bytes, `Malformed` for a number that is too long.
+    """
+    byte = protobuf[position]
+    if byte < 0x80:
+        return byte, position + 1
+    value, shift = byte & 0x7F, 7
+    for index in range(position + 1, position + _MAX_VARINT_BYTES):
+        byte = protobuf[index]
+        value |= (byte & 0x7F) << shift
+        if byte < 0x80:
+            return value, index + 1
+        shift += 7
+    raise Malformed(f"it has a number of more than {_MAX_VARINT_BYTES} bytes")
+
+# -- frames -------------------------------------------------------------------------------------------
+
 
 VERSION = 2
 _HEADER = struct.Struct(">BB2xI")  # version, cipher, reserved, payload size
@@ -59,7 +176,7 @@ class _Kind(NamedTuple):
     type: Type[Message]
     ids: bytes
     public: bool
-    texts: wire_check.Texts
+    texts: Texts
 
 
 def ids_of(message_type: Any) -> bytes:
@@ -68,7 +185,7 @@ def ids_of(message_type: Any) -> bytes:
 
 
 def _kind(message_type: Any, public: bool) -> _Kind:
-    return _Kind(message_type, ids_of(message_type), public, wire_check.texts_of(message_type.DESCRIPTOR))
+    return _Kind(message_type, ids_of(message_type), public, texts_of(message_type.DESCRIPTOR))
 
 
 _KINDS = [
@@ -207,10 +324,10 @@ def _message(payload: bytes, public: bool) -> Any:
         raise BadDatagram(FrameFault.WRONG_CHANNEL, f"{name} belongs on {home}")
     protobuf = payload[_IDS.size:]
     try:
-        wire_check.check(protobuf, kind.texts, _MAX_PUBLIC_FIELDS if public else _MAX_PRIVATE_FIELDS)
-    except wire_check.Malformed as error:
+        check(protobuf, kind.texts, _MAX_PUBLIC_FIELDS if public else _MAX_PRIVATE_FIELDS)
+    except Malformed as error:
         raise BadDatagram(FrameFault.MALFORMED, f"{name}: {error}") from None
-    except wire_check.NotUtf8 as error:
+    except NotUtf8 as error:
         raise BadDatagram(FrameFault.NOT_UTF8, f"{error} of {name}") from None
     return _parse(kind.type, protobuf)
 

@@ -8,13 +8,13 @@ import asyncio
 import time
 from typing import Callable, Dict, Optional
 
-from roah_rsbb.comm.channels import MakePeer
+from roah_rsbb.comm.channels import MakePeer, Network
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import Effect
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import BoxMessage, RobotReport
-from roah_rsbb.radio.radio import CoreRadio, Network
+from roah_rsbb.radio.radio import CoreRadio
 from roah_rsbb.radio.short_way import Turns
 
 

@@ -7,13 +7,12 @@ It makes no decisions. It turns datagrams into events of the box, and the box's 
 import asyncio
 import functools
 import os
-from typing import Callable, Dict, Mapping, NamedTuple, Optional, Set, Tuple
+from typing import Callable, Dict, Mapping, Optional, Set, Tuple
 
 from roah_rsbb.comm import sockets
-from roah_rsbb.comm.channels import MakePeer, PrivateChannel, PublicChannel
+from roah_rsbb.comm.channels import MakePeer, Network, PrivateChannel, PublicChannel, Seen
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import encoded_size
-from roah_rsbb.comm.seen import Seen
 from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.budget import Budget
@@ -22,8 +21,8 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import Beacon, BoxMessage, RobotReport
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.radio import wire_convert
-from roah_rsbb.radio.report_reader import ReportReader, Unread
 from roah_rsbb.radio.short_way import ShortWay, Turns
+from roah_rsbb.radio.wire_convert import ReportReader, Unread
 
 Address = Tuple[str, int]
 BEACON_PERIOD_S = 1.0
@@ -37,17 +36,6 @@ ROUTE_S, MAX_HOSTS = 2.0, 250
 
 OnEvent = Callable[..., None]
 OnReport = Callable[[Now, int, str, RobotReport, Optional[float]], Optional[BoxMessage]]
-
-
-class Network(NamedTuple):
-    """Parameters of the network."""
-
-    rsbb_host: str  # broadcast address
-    rsbb_port: int
-    bind_host: str
-    cipher: Cipher
-    broadcast: bool  # private_mode: answer robots by broadcast, as the original did
-    max_datagram: int  # bytes
 
 
 def beacon_size(beacon: Beacon) -> int:
@@ -113,10 +101,7 @@ class CoreRadio:
         self._beacon_timer: Optional[asyncio.TimerHandle] = None
         self._beacon_soon: Optional[asyncio.TimerHandle] = None
         self._last_beacon = float("-inf")
-        self.public = PublicChannel(
-            loop, network.rsbb_host, network.rsbb_port, self._on_public, self._on_complaint,
-            bind_host=network.bind_host, max_datagram=network.max_datagram, make_peer=make_peer,
-        )
+        self.public = PublicChannel(loop, network, self._on_public, self._on_complaint, make_peer=make_peer)
 
     def connect(self, event: OnEvent, report: OnReport) -> None:
         """Take the ways to the box, before anything is opened: see `CoreDriver.event` and `CoreDriver.report`."""
@@ -192,15 +177,11 @@ class CoreRadio:
         self.awaited.discard(port)
         if self._is_closed:
             return
-        network = self._network
         key, reader = self._keys[version][team], ReportReader(self._turns.now_mono)
         short_way = ShortWay(self._turns, key, reader, self._box)
         channel = PrivateChannel(
-            self._loop, network.rsbb_host, port, key,
-            functools.partial(self._on_private, port),
-            lambda text: self._on_private_complaint(port, text),
-            cipher=network.cipher, bind_host=network.bind_host, broadcast=network.broadcast,
-            max_datagram=network.max_datagram, read=reader, seen=self._seen,
+            self._loop, self._network, port, key, functools.partial(self._on_private, port),
+            lambda text: self._on_private_complaint(port, text), read=reader, seen=self._seen,
             on_copy=lambda address: self._on_copy(port, address[0]), make_peer=self._make_peer,
             on_datagram=short_way.take,
         )

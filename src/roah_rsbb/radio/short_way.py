@@ -27,7 +27,7 @@ from roah_rsbb.core.runs.run import NO_REVISION, Run
 from roah_rsbb.model.clock import SAME_MOMENT_S, Now, one_moment
 from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.protocol import WireTime, wire_seconds
-from roah_rsbb.radio.report_reader import ReportReader
+from roah_rsbb.radio.wire_convert import ReportReader
 
 # The box takes so many datagrams in less than a millisecond.
 MOST_WAITING = 40

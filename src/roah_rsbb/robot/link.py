@@ -13,9 +13,10 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import PERCENTAGES, SWITCHES, BoxState, RobotState, WireTime
 from roah_rsbb.robot.goals import RESULT_BUDGET_BYTES, result_size, write_result
 from roah_rsbb.robot.machine import IllegalEvent, RobotProgress
-from roah_rsbb.robot.watch import SILENCE_S, Silence
 from roah_rsbb.rulebook.registry import STRINGS
 
+# A box counts as silent after this time; it sends once a second on each channel.
+SILENCE_S = 5.0
 SET_BACK_S = 1.0
 
 # Number of messages whose acknowledgement is recognised: 50 s of the fastest burst, usually many minutes.
@@ -33,6 +34,37 @@ def _nanoseconds(utc: float) -> int:
     # Convert whole seconds separately, because multiplying the float would lose precision.
     seconds = math.floor(utc)
     return seconds * _NS + int((utc - seconds) * _NS)
+
+
+class Silence:
+    """Detects, once, that nothing was received for `limit_s` seconds."""
+
+    def __init__(self, limit_s: float, now_mono: float) -> None:
+        self._limit_s = limit_s
+        self._heard_mono = now_mono
+        self._reported = False
+
+    @property
+    def deadline(self) -> float:
+        """When `begins` becomes True if nothing is received; infinity after it was reported."""
+        return float("inf") if self._reported else self._heard_mono + self._limit_s
+
+    def heard(self, now_mono: float) -> bool:
+        """Note that something was received. Returns whether this ends a reported silence."""
+        ended, self._reported = self._reported, False
+        self._heard_mono = now_mono
+        return ended
+
+    def begins(self, now_mono: float) -> bool:
+        """True once, when the limit is reached."""
+        if now_mono < self.deadline:
+            return False
+        self._reported = True
+        return True
+
+    def lasts(self, now_mono: float) -> bool:
+        """Whether nothing was received for `limit_s` seconds."""
+        return now_mono >= self._heard_mono + self._limit_s
 
 
 class MessageTimes:

@@ -14,13 +14,13 @@ box starts again with PREPARE.
 """
 
 import enum
-from typing import Dict, List, NamedTuple, Optional, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState, WireTime
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import BadGoal, Goal, Result, check_result, read_goal
-from roah_rsbb.rulebook.registry import profile_of
+from roah_rsbb.rulebook.registry import PROFILES, profile_of
 
 
 class IllegalEvent(Exception):
@@ -216,3 +216,53 @@ class RobotProgress:
             return []
         self._reported = (received, problem.name)
         return [fx.ProblemIs(problem, text)]
+
+# -- the messages that simulate the box in tests of a robot (`Session.override`) ----------------------
+
+
+def override_message(
+    number: int, state: int, acknowledgement: WireTime, initial_state: Iterable[bool], switches: Iterable[int]
+) -> Optional[pb.BenchmarkState]:
+    """Return the message that replaces the box's, for a benchmark's number; None (number 0) ends the override.
+
+    Raises IllegalEvent, which names the known numbers.
+    """
+    if number == 0:
+        return None
+    codes = {profile.number: code for code, profile in PROFILES.items()}
+    code = codes.get(number)
+    if code is None:
+        known = ", ".join(f"{number} {code}" for number, code in sorted(codes.items()))
+        raise IllegalEvent(f"unknown benchmark number {number}: choose from {known}")
+    message = _state_message(code, state, acknowledgement)
+    message.initial_state.extend(initial_state)
+    message.switches.extend(switches)
+    return message
+
+
+def override_goal_message(
+    code: str, state: int, acknowledgement: WireTime, goal: str
+) -> Optional[pb.BenchmarkState]:
+    """Return the message that replaces the box's, with a goal (empty: none); None (empty code) ends the override.
+
+    Raises IllegalEvent for an unknown state or an unreadable goal.
+    """
+    if not code:
+        return None
+    message = _state_message(code, state, acknowledgement)
+    if goal:
+        message.generic_goal = goal
+        try:
+            read_goal(message)
+        except BadGoal as bad:
+            raise IllegalEvent(str(bad)) from None
+    return message
+
+
+def _state_message(code: str, state: int, acknowledgement: WireTime) -> pb.BenchmarkState:
+    if state not in pb.BenchmarkState.State.values():
+        known = ", ".join(f"{number} {name}" for name, number in pb.BenchmarkState.State.items())
+        raise IllegalEvent(f"unknown benchmark state {state}: choose from {known}")
+    message = pb.BenchmarkState(benchmark_type=code, benchmark_state=state)
+    message.acknowledgement.sec, message.acknowledgement.nsec = acknowledgement
+    return message

@@ -9,9 +9,8 @@ import os
 import time
 from typing import Any, Callable, Optional
 
-from roah_rsbb.comm.channels import MakePeer, PrivateChannel, PublicChannel
+from roah_rsbb.comm.channels import MakePeer, Network, PrivateChannel, PublicChannel, Seen
 from roah_rsbb.comm.ciphers import Cipher, Key
-from roah_rsbb.comm.seen import Seen
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.session import Address, Session
@@ -63,13 +62,9 @@ class SessionRunner:
         self._clock = clock
         self._passes = passes
         self._key = Key(password, random_bytes)
-        self._cipher = cipher
         self._make_peer = make_peer
-        self._bind_host = bind_host
-        self._public = PublicChannel(
-            loop, rsbb_host, rsbb_port, self._public_message, on_complaint, bind_host=bind_host,
-            make_peer=make_peer,
-        )
+        self._network = Network(rsbb_host, rsbb_port, bind_host, cipher)
+        self._public = PublicChannel(loop, self._network, self._public_message, on_complaint, make_peer=make_peer)
         self._private: Optional[PrivateChannel] = None
         self._seen = Seen(SEEN_BITS)
         self._bad_datagrams = 0  # of the box on the private channel
@@ -129,9 +124,8 @@ class SessionRunner:
     def _open_private(self, where: fx.OpenChannel) -> None:
         self._close_private()
         channel = PrivateChannel(
-            self._loop, self._public.addr, where.port, self._key, self._private_message,
-            self._private_complaint, cipher=self._cipher, bind_host=self._bind_host, seen=self._seen,
-            make_peer=self._make_peer,
+            self._loop, self._network, where.port, self._key, self._private_message, self._private_complaint,
+            seen=self._seen, make_peer=self._make_peer,
         )
         channel.remote = where.host
         try:

@@ -11,14 +11,130 @@ network was down, not the box: another box must then be received alone for 5 s. 
 whose private channel never delivered anything, follows any box that lists it.
 """
 
-from typing import List, Optional, Tuple, Union
+from typing import Hashable, List, NamedTuple, Optional, Set, Tuple, Union
 
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import Result
-from roah_rsbb.robot.link import BoxLink, wire_time
+from roah_rsbb.robot.link import SILENCE_S, BoxLink, Silence, wire_time
 from roah_rsbb.robot.machine import IllegalEvent, RobotProgress
-from roah_rsbb.robot.watch import BOX_STARTS_S, SILENCE_S, HomeWatch, OtherBoxes, Reports, Silence
+
+# -- what a robot monitors besides its run ------------------------------------------------------------
+
+
+# A box that is started together with the robot loads its files and listens first. Until then, its silence is no fault.
+BOX_STARTS_S = 15.0
+
+# Boxes send once a second: a longer gap means that the network was down.
+_GAP_S = 3.0
+
+# After this many beacons in a row with an older time, the time was set back.
+_SET_BACK_BEACONS = 5
+
+# Limits the memory of reports, because datagrams can be forged.
+_MAX_REPORTED = 100
+
+
+class OtherBoxes:
+    """Measures how long only other boxes were received, without a gap."""
+
+    def __init__(self) -> None:
+        self._since_mono = 0.0
+        self._last_mono = float("-inf")
+
+    def heard(self, now_mono: float) -> float:
+        """Note that another box was received. Returns for how many seconds only other boxes were received."""
+        if now_mono - self._last_mono > _GAP_S:
+            self._since_mono = now_mono
+        self._last_mono = now_mono
+        return now_mono - self._since_mono
+
+    def end(self) -> None:
+        """Note that the robot's box was received."""
+        self._last_mono = float("-inf")
+
+
+class Reports:
+    """Makes each report once per key, not with every datagram."""
+
+    def __init__(self) -> None:
+        self._reported: Set[Tuple[fx.Problem, Hashable]] = set()
+
+    def once(self, problem: fx.Problem, key: Hashable, text: str) -> List[fx.ProblemIs]:
+        """The report; empty if it was made before for this `problem` and `key`."""
+        if (problem, key) in self._reported or len(self._reported) >= _MAX_REPORTED:
+            return []
+        self._reported.add((problem, key))
+        return [fx.ProblemIs(problem, text)]
+
+
+class _Seen(NamedTuple):
+    devices: fx.Devices
+    tablet: fx.TabletIs
+
+
+class _Moments:
+    """Detects a new event (such as a ring of the bell) by its time alone.
+
+    An older time means that a beacon arrived out of order: the next one has the newer time again, which is not a second
+    ring. If it stays older, the box restarted or its clock was set back.
+    """
+
+    def __init__(self) -> None:
+        self._newest: Optional[Tuple[int, int]] = None
+        self._older = 0  # times in a row
+
+    def is_new(self, time: Tuple[int, int]) -> bool:
+        """Whether the time in a beacon is that of a new event. The first beacon has none."""
+        before = self._newest
+        self._older = self._older + 1 if before is not None and time < before else 0
+        if before is None or time > before or self._older >= _SET_BACK_BEACONS:
+            self._newest = time
+        return before is not None and time > before
+
+
+class HomeWatch:
+    """The devices and the tablet as the box's beacons show them.
+
+    Beacons contain only the times of the latest ring, call and selected position. The first beacon gives old times, not
+    new events.
+    """
+
+    def __init__(self) -> None:
+        self._seen: Optional[_Seen] = None
+        self._bell, self._call, self._position = _Moments(), _Moments(), _Moments()
+
+    def see(self, beacon: pb.RoahRsbbBeacon) -> List[fx.Effect]:
+        """Return the changes in a beacon."""
+        now = _Seen(
+            fx.Devices(
+                _wire_time(beacon.devices_bell),
+                beacon.devices_switch_1, beacon.devices_switch_2, beacon.devices_switch_3,
+                beacon.devices_dimmer, beacon.devices_blinds,
+                beacon.devices_door_win_detect,
+            ),
+            fx.TabletIs(
+                beacon.tablet_display_map,
+                _wire_time(beacon.tablet_call_time), _wire_time(beacon.tablet_position_time),
+                beacon.tablet_position_x, beacon.tablet_position_y,
+            ),
+        )
+        before, self._seen = self._seen, now
+        news: List[fx.Effect] = [new for old, new in zip(before or (None, None), now) if old != new]
+        if self._bell.is_new(now.devices.bell):
+            news.append(fx.BellRang())
+        if self._call.is_new(now.tablet.call_time):
+            news.append(fx.TabletCalled())
+        if self._position.is_new(now.tablet.position_time):
+            news.append(fx.PositionSelected(now.tablet.position_x, now.tablet.position_y))
+        return news
+
+
+def _wire_time(time: pb.Time) -> Tuple[int, int]:
+    return time.sec, time.nsec
+
+# -- the session --------------------------------------------------------------------------------------
+
 
 BEACON_PERIOD_S = 1.0
 

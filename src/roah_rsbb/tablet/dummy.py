@@ -12,6 +12,7 @@ import sys
 import time
 from typing import List, Optional, Tuple
 
+from roah_rsbb.comm.channels import Network
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.ground import linux
 from roah_rsbb.ground.arguments import Parser, read_by
@@ -72,7 +73,7 @@ class DummyTablet:
         self._heard = asyncio.Event()
         self._shown: Optional[bool] = None
         self._acknowledged: Tuple[bool, bool] = (False, False)
-        self._radio = TabletRadio(loop, self._state, self._on_box, _log.warning, host, port, bind)
+        self._radio = TabletRadio(loop, self._state, self._on_box, _log.warning, Network(host, port, bind))
         self._radio.present = True
 
     def open(self) -> None:

@@ -3,9 +3,8 @@
 import asyncio
 from typing import Callable, Optional, Tuple
 
-from roah_rsbb.comm.channels import MakePeer, PublicChannel
+from roah_rsbb.comm.channels import MakePeer, Network, PublicChannel
 from roah_rsbb.comm.sender import StateSender
-from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.tablet.state import BoxPart, ShownTablet
 
@@ -23,9 +22,7 @@ class TabletRadio:
         state: ShownTablet,
         on_box: Callable[[bool], None],
         on_complaint: Callable[[str], None],
-        rsbb_host: str = "10.255.255.255",
-        rsbb_port: int = 6666,
-        bind_host: str = ANY_HOST,
+        network: Network,
         make_peer: Optional[MakePeer] = None,
     ) -> None:
         """Opens nothing yet. `on_box(changed)` is called for each beacon of the box. `make_peer`: see
@@ -36,10 +33,7 @@ class TabletRadio:
         self._sender = StateSender()
         self._present = False
         self._timer: Optional[asyncio.TimerHandle] = None
-        self._channel = PublicChannel(
-            loop, rsbb_host, rsbb_port, self._on_message, on_complaint, bind_host=bind_host, apart=True,
-            make_peer=make_peer,
-        )
+        self._channel = PublicChannel(loop, network, self._on_message, on_complaint, apart=True, make_peer=make_peer)
 
     def open(self) -> None:
         """Start to listen, and to send if present. Raises OSError whose text names the remedy."""

@@ -10,7 +10,7 @@ import os
 from typing import Callable, Iterable, Optional
 
 from roah_rsbb.comm import sockets
-from roah_rsbb.comm.channels import MakePeer
+from roah_rsbb.comm.channels import MakePeer, Network
 from roah_rsbb.ground.params import Params
 from roah_rsbb.tablet import maps
 from roah_rsbb.tablet.pages import Pages
@@ -43,8 +43,8 @@ class TabletPage:
         plan = _load_map(map_file)
         state = ShownTablet()
         self._radio = TabletRadio(
-            loop, state, self._on_box, lambda text: _log.warning("%s", text), self._rsbb_host, rsbb_port,
-            bind_host, make_peer,
+            loop, state, self._on_box, lambda text: _log.warning("%s", text),
+            Network(self._rsbb_host, rsbb_port, bind_host), make_peer,
         )
         self._server = TabletServer(
             loop, Pages(state, plan), plan, os.path.join(resource, "tablet"), own_names(names),

@@ -16,7 +16,7 @@ from typing import Callable, Dict, List, NamedTuple, Optional
 
 from roah_rsbb.client.places import OWN_VARIABLE, is_answering
 from roah_rsbb.comm import sockets
-from roah_rsbb.comm.channels import PublicChannel
+from roah_rsbb.comm.channels import Network, PublicChannel
 from roah_rsbb.ground.arguments import is_without_ros
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.rulebook import config
@@ -153,7 +153,7 @@ def check_other_box(rsbb_host: str, port: int, bind_host: str, seconds: float) -
             heard.append(sender[0])
             loop.stop()
 
-    channel = PublicChannel(loop, rsbb_host, port, on_message, lambda _: None, bind_host=bind_host)
+    channel = PublicChannel(loop, Network(rsbb_host, port, bind_host), on_message, lambda _: None)
     try:
         channel.open()
         loop.call_later(seconds, loop.stop)

@@ -11,12 +11,12 @@ from roah_rsbb.bmbox.framework.ground_truth import Pose2D
 from roah_rsbb.check import dummy_box
 from roah_rsbb.check.dummy_box import DummyBox, parameters_of
 from roah_rsbb.comm import channels
+from roah_rsbb.comm.channels import Network
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.memory import MemoryAir
 from roah_rsbb.ground.installed import shipped_folder
 from roah_rsbb.model.records import EndReason
 from roah_rsbb.protocol import RobotState
-from roah_rsbb.radio.radio import Network
 from roah_rsbb.robot.dummy import DummyOptions
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.registry import PROFILES

@@ -7,7 +7,7 @@ from google.protobuf.message import EncodeError
 
 from helpers import golden
 from roah_rsbb.comm import frame
-from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
+from roah_rsbb.comm.channels import Network, PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
@@ -25,9 +25,9 @@ ROBOT_STATE = pb.RobotState(time=TIME, messages_saved=1, robot_state=pb.RobotSta
 @pytest.fixture
 def public(loop, port, inbox, opened):
     """Open a public channel with inboxes `messages` and `reported` (complaints)."""
-    def make(bind_host, rsbb_host=BROADCAST, **options):
+    def make(bind_host, rsbb_host=BROADCAST, apart=False, **options):
         messages, reported = inbox(), inbox()
-        channel = PublicChannel(loop, rsbb_host, port, messages, reported, bind_host, **options)
+        channel = PublicChannel(loop, Network(rsbb_host, port, bind_host, **options), messages, reported, apart)
         channel.messages, channel.reported = messages, reported
         return opened(channel)
     return make
@@ -38,7 +38,8 @@ def private(loop, port, inbox, opened):
     """Open a private channel with inboxes `messages` and `reported` (complaints)."""
     def make(bind_host, key=KEY, remote=None, rsbb_host=BROADCAST, **options):
         messages, reported = inbox(), inbox()
-        channel = PrivateChannel(loop, rsbb_host, port, key, messages, reported, bind_host=bind_host, **options)
+        network = Network(rsbb_host, port, bind_host, **options)
+        channel = PrivateChannel(loop, network, port, key, messages, reported)
         channel.messages, channel.reported, channel.remote = messages, reported, remote
         return opened(channel)
     return make

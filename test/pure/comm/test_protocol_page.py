@@ -19,9 +19,8 @@ from roah_rsbb.core.runs import machine
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BURST_COUNT, BURST_INTERVAL_S, PERIOD_S, BoxState, RobotState
-from roah_rsbb.robot.link import STALE_S
+from roah_rsbb.robot.link import SILENCE_S, STALE_S
 from roah_rsbb.robot.machine import Act, box_transition
-from roah_rsbb.robot.watch import SILENCE_S
 
 PAGE = (pathlib.Path(__file__).resolve().parents[3] / "docs" / "protocol.md").read_text(encoding="utf-8")
 FLAT_PAGE = " ".join(PAGE.split())  # so that the page may be wrapped anywhere

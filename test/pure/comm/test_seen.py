@@ -5,7 +5,7 @@ import pathlib
 
 import pytest
 
-from roah_rsbb.comm.seen import BITS_PER_ENTRY, Seen
+from roah_rsbb.comm.channels import BITS_PER_ENTRY, Seen
 
 
 def test_what_was_added_is_known_and_nothing_else():

@@ -9,7 +9,7 @@ from typing import Iterator
 from helpers import slots
 from helpers.box_beacon import box_beacon
 from helpers.waiting import News
-from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
+from roah_rsbb.comm.channels import Network, PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
@@ -73,10 +73,10 @@ class SmallBox:
     async def __aenter__(self):
         loop = asyncio.get_event_loop()
         self._news = News()
-        self._public = PublicChannel(loop, BROADCAST, self.port, self._on_public, self._reported, bind_host=BOX)
+        network = Network(BROADCAST, self.port, BOX)
+        self._public = PublicChannel(loop, network, self._on_public, self._reported)
         self._private = PrivateChannel(
-            loop, BROADCAST, self.private_port, self._key, self._on_robot, self._reported, bind_host=BOX
-        )
+            loop, network, self.private_port, self._key, self._on_robot, self._reported)
         self._private.remote = ROBOT
         self._public.open()
         self._private.open()

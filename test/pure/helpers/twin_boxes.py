@@ -11,6 +11,7 @@ from helpers import golden
 from helpers.commands import COMMANDS, given_with
 from helpers.competition import TEAMS, competition, event
 from roah_rsbb.comm import frame
+from roah_rsbb.comm.channels import Network
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
@@ -21,7 +22,7 @@ from roah_rsbb.model.saved import freeze
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.radio.driver import NetworkDriver
-from roah_rsbb.radio.radio import Network, beacon_size
+from roah_rsbb.radio.radio import beacon_size
 from simulation.scheduler import Computer, Process, Scheduler
 
 BROADCAST, BOX, PORT = "10.0.0.255", "10.0.0.1", 6666

@@ -8,6 +8,7 @@ import pytest
 
 from helpers.competition import competition
 from roah_rsbb.comm import frame
+from roah_rsbb.comm.channels import Network
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
@@ -15,7 +16,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.radio.driver import NetworkDriver
-from roah_rsbb.radio.radio import Network, beacon_size
+from roah_rsbb.radio.radio import beacon_size
 
 BROADCAST, BOX, ROBOT, FORGER = "127.255.255.255", "127.0.0.1", "127.0.0.2", "127.0.0.66"
 # Longer than the allowed skew.

@@ -6,7 +6,7 @@ import asyncio
 from helpers.competition import competition
 from helpers.simulated_air import SimulatedLoop
 from roah_rsbb.comm import sockets
-from roah_rsbb.comm.channels import PublicChannel
+from roah_rsbb.comm.channels import Network, PublicChannel
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.memory import MemoryAir
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
@@ -17,7 +17,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.radio import wire_convert
 from roah_rsbb.radio.driver import NetworkDriver
-from roah_rsbb.radio.radio import Network, beacon_size
+from roah_rsbb.radio.radio import beacon_size
 
 BOX, OTHER, FAR = "127.0.0.1", "127.0.0.66", "10.2.0.7"
 
@@ -28,8 +28,8 @@ def test_a_held_box_sends_no_beacon_until_a_robot_is_connected():
     box = Box(config, Settings(), beacon_size)
     driver = NetworkDriver(loop, box, Network(LOOPBACK_BROADCAST, 6666, BOX, Cipher.AES_128_CBC, False, 1024),
                            dict(config.passwords), lambda text: None, loop.utc, air.peer)
-    other = PublicChannel(loop, LOOPBACK_BROADCAST, 6666,
-                          lambda message, sender: heard.append((type(message), sender[0])), lambda text: None, OTHER,
+    other = PublicChannel(loop, Network(LOOPBACK_BROADCAST, bind_host=OTHER),
+                          lambda message, sender: heard.append((type(message), sender[0])), lambda text: None,
                           make_peer=air.peer)
     other.open()
     driver.open(Settings().listen_duration)

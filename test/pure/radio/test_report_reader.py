@@ -3,7 +3,7 @@
 from roah_rsbb.comm import frame
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.radio import wire_convert
-from roah_rsbb.radio.report_reader import BYTES_AT_ONCE, BYTES_PER_SECOND, ReportReader, Unread
+from roah_rsbb.radio.wire_convert import BYTES_AT_ONCE, BYTES_PER_SECOND, ReportReader, Unread
 
 HEADER = 8
 

@@ -7,7 +7,7 @@ import socket
 import pytest
 
 from helpers.small_box import BOX, BROADCAST, NAME, PASSWORD, ROBOT, TEAM, SmallBox, running
-from roah_rsbb.comm.channels import PublicChannel
+from roah_rsbb.comm.channels import Network, PublicChannel
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
@@ -303,7 +303,7 @@ def test_another_robot_of_this_name_is_reported():
             reported = []
             loop = asyncio.get_event_loop()
             twin = PublicChannel(
-                loop, BROADCAST, box.port, lambda *_: None, reported.append, bind_host="127.0.0.3"
+                loop, Network(BROADCAST, box.port, "127.0.0.3"), lambda *_: None, reported.append
             )
             twin.open()
             try:

@@ -3,8 +3,7 @@
 import pytest
 
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.robot.machine import IllegalEvent
-from roah_rsbb.robot.override import override_goal_message, override_message
+from roah_rsbb.robot.machine import IllegalEvent, override_goal_message, override_message
 
 
 def test_a_benchmark_by_its_number() -> None:

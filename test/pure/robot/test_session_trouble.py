@@ -6,7 +6,7 @@ from helpers.robot_bench import BOX, OTHER_BOX, PORT, ROBOT, TEAM, executing
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
-from roah_rsbb.robot.watch import BOX_STARTS_S
+from roah_rsbb.robot.session import BOX_STARTS_S
 
 # Trouble.
 

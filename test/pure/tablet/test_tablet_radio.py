@@ -13,7 +13,7 @@ import pytest
 import roah_rsbb
 from helpers.box_beacon import box_beacon
 from helpers.small_box import free_ports
-from roah_rsbb.comm.channels import PublicChannel
+from roah_rsbb.comm.channels import Network, PublicChannel
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.tablet import dummy
 from roah_rsbb.tablet.radio import TabletRadio
@@ -31,7 +31,7 @@ class OneBox:
         self.answers = False
         self.display_map = False
         self.channel = PublicChannel(
-            running.loop, BROADCAST, self.port, self._hear, lambda text: None, bind_host=bind_host)
+            running.loop, Network(BROADCAST, self.port, bind_host), self._hear, lambda text: None)
         self.channel.open()
 
     def beacon(self):

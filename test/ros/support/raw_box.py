@@ -4,6 +4,7 @@ import time
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
 from helpers.box_beacon import box_beacon
+from roah_rsbb.comm.channels import Network as WireNetwork
 from roah_rsbb.comm.channels import PrivateChannel
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -82,7 +83,8 @@ class RawBox:
         """Open the private channel."""
         self.close_channel()
         self._private = PrivateChannel(
-            self._network.loop, BROADCAST, port, self._key, self._on_state, self._on_complaint, bind_host=self.host
+            self._network.loop, WireNetwork(BROADCAST, bind_host=self.host), port, self._key, self._on_state,
+            self._on_complaint,
         )
         self._private.remote = self._robot_host
         self._network.do(self._private.open)

@@ -15,6 +15,7 @@ from typing import Any, Callable, Dict, List, Optional, Tuple, TypeVar
 
 import yaml
 
+from roah_rsbb.comm.channels import Network as WireNetwork
 from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -182,7 +183,7 @@ class PublicParticipant:
         self.heard: List[Tuple[Any, str]] = []  # message and address of its sender
         self._network = network
         self._channel = PublicChannel(
-            network.loop, BROADCAST, port, self._on_message, lambda text: None, bind_host=host
+            network.loop, WireNetwork(BROADCAST, port, host), self._on_message, lambda text: None
         )
         network.do(self._channel.open)
 
@@ -246,8 +247,8 @@ class RawRobot:
     def open_private(self, port: int) -> None:
         """Open the private channel."""
         self._private = PrivateChannel(
-            self._network.loop, BROADCAST, port, Key(PASSWORDS[self.team]), self._on_state, lambda text: None,
-            bind_host=host_of(self.team),
+            self._network.loop, WireNetwork(BROADCAST, bind_host=host_of(self.team)), port, Key(PASSWORDS[self.team]),
+            self._on_state, lambda text: None,
         )
         self._private.remote = BOX
         self._network.do(self._private.open)

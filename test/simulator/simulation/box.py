@@ -4,14 +4,13 @@ import math
 
 from roah_rsbb.box.assembly import BoxPlace, CoreAssembly, Machine
 from roah_rsbb.box.driver import Outputs
+from roah_rsbb.comm.channels import Network, Seen
 from roah_rsbb.comm.ciphers import Cipher
-from roah_rsbb.comm.seen import Seen
 from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.journal.ports import PortRecord
-from roah_rsbb.radio.radio import Network
 
 from .air import BROADCAST
 from .backup import Backup

@@ -16,7 +16,7 @@ from functools import partial
 from typing import List, Mapping
 
 from roah_rsbb.client.places import OnlyStops, read_place, write_place
-from roah_rsbb.comm.channels import MakePeer, PrivateChannel
+from roah_rsbb.comm.channels import MakePeer, Network, PrivateChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.sender import StateSender
@@ -46,14 +46,15 @@ class StoppedRobot:
     ) -> None:
         """`port` and `kept`: see `ChannelNotes`. `is_deaf`: another process has the port, and gets what the robot
         says."""
-        name, password, host, benchmark, rsbb_host, bind_host, cipher, broadcast, max_datagram = json.loads(kept)
+        name, password, host, benchmark, rsbb_host, bind_host, cipher, *options = json.loads(kept)
+        network = Network(rsbb_host, 0, bind_host, Cipher(cipher), *options)
         self.name, self.is_stopped, self._is_deaf = name, False, is_deaf
         self._loop, self._sender = loop, StateSender()
         self._stop = pb.BenchmarkState(benchmark_type=benchmark, benchmark_state=int(BoxState.STOP))
         self._stop.acknowledgement.sec = self._stop.acknowledgement.nsec = 0
         self._channel = PrivateChannel(
-            loop, rsbb_host, int(port), Key(password), self._hear, lambda text: None, Cipher(cipher), bind_host,
-            broadcast, max_datagram, make_peer=partial(make_peer, deaf=True) if is_deaf else make_peer)
+            loop, network, int(port), Key(password), self._hear, lambda text: None,
+            make_peer=partial(make_peer, deaf=True) if is_deaf else make_peer)
         self._channel.remote = host or None
         self._channel.open()
         self._sender.changed(loop.time())

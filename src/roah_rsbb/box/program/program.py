@@ -28,7 +28,7 @@ from roah_rsbb.client.places import (
     user_folder,
     write_place,
 )
-from roah_rsbb.comm.channels import MakePeer
+from roah_rsbb.comm.channels import MakePeer, Network
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.copies.settings import copy_settings
@@ -39,7 +39,6 @@ from roah_rsbb.ground.linux import open_in_browser
 from roah_rsbb.ground.params import BadParams, Params
 from roah_rsbb.ground.signs_of_life import DOORS, Lifeline
 from roah_rsbb.model.zone import RUNNING
-from roah_rsbb.radio.radio import Network
 from roah_rsbb.web.pairing import CODE_VALID_S
 
 # How often it is checked whether the supervisor is there, and whether the file of the door is.

@@ -25,8 +25,7 @@ from roah_rsbb.nodes.team.generations import DEFAULT, GENERATIONS, report_refuse
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import WireTime
 from roah_rsbb.robot import effects as fx
-from roah_rsbb.robot.machine import IllegalEvent
-from roah_rsbb.robot.override import override_goal_message, override_message
+from roah_rsbb.robot.machine import IllegalEvent, override_goal_message, override_message
 from roah_rsbb.robot.runner import SessionRunner
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.loop import RosLoop

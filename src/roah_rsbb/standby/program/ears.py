@@ -8,7 +8,7 @@ import threading
 import time
 from typing import Callable, Dict, NamedTuple, Optional
 
-from roah_rsbb.comm.channels import PublicChannel
+from roah_rsbb.comm.channels import Network, PublicChannel
 from roah_rsbb.comm.peer import Address, Peer
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.standby.pair import BoxSilence, Side, Word
@@ -138,7 +138,7 @@ class Ears:
         try:
             if self._beacons is None:
                 beacons = PublicChannel(
-                    self._loop, host, int(network["rsbb_port"]), self._on_public, lambda _: None, bind_host=bind_host)
+                    self._loop, Network(host, int(network["rsbb_port"]), bind_host), self._on_public, lambda _: None)
                 beacons.open()
                 self._beacons = beacons
             peer = Peer(self._loop, host, self._port, self._on_word, lambda _: None, bind_host=bind_host)

@@ -16,7 +16,7 @@ import roah_rsbb
 from helpers.waiting import LIMIT_S, wait_until
 from roah_rsbb.box.program.barest import open_robots
 from roah_rsbb.client.places import OWN_VARIABLE, OnlyStops, read_place
-from roah_rsbb.comm.channels import PrivateChannel
+from roah_rsbb.comm.channels import Network, PrivateChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -81,7 +81,8 @@ class Robot:
         self.loop, self.states, self.acknowledged = loop, [], []
         self.state = RobotState.EXECUTING
         self.stopped = loop.create_future()
-        self.channel = PrivateChannel(loop, LOOPBACK_BROADCAST, port, Key("secret"), self.hear, print, bind_host=ROBOT)
+        network = Network(LOOPBACK_BROADCAST, bind_host=ROBOT)
+        self.channel = PrivateChannel(loop, network, port, Key("secret"), self.hear, print)
         self.channel.remote = BOX
         self.channel.open()
 
