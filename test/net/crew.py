@@ -17,8 +17,7 @@ from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.client import RobotClient
 from roah_rsbb.robot.dummy import DummyOptions, DummyRobot
 from roah_rsbb.robot.link import wire_time
-from roah_rsbb.tablet.radio import TabletRadio
-from roah_rsbb.tablet.state import ShownTablet
+from roah_rsbb.tablet.radio import ShownTablet, TabletRadio
 
 RSBB_PORT = 6666
 ROBOT = "Robot"  # the name of each team's first one

@@ -1,5 +1,5 @@
 """Shows the datagrams between box, robots and tablet: `python -m roah_rsbb.capture --help`. No ROS.
 
-`listening` (from the network) or `recording` (from a file) provide datagrams. `decoding.Decoder` turns each into a
-message, or the reason why it is not one. `output` filters them and formats them as text or JSON.
+`listening` (from the network) or a recording provide datagrams. `decoding.Decoder` turns each into a message, or the
+reason why it is not one. `program` filters them and formats them as text or JSON.
 """

@@ -15,8 +15,7 @@ import sys
 import time
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple, Union
 
-from roah_rsbb.capture.decoding import Decoder
-from roah_rsbb.capture.recording import Datagram
+from roah_rsbb.capture.decoding import Datagram, Decoder
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.sockets import OpenError
 

@@ -3,8 +3,7 @@
 import asyncio
 from typing import Callable, Optional
 
-from roah_rsbb.devices.home import RING, device_of
-from roah_rsbb.devices.smartif import TO_CONTROLLER, Busy, Garbage, Set, SmartIfDecoder, encode
+from roah_rsbb.devices.smartif import RING, TO_CONTROLLER, Busy, Garbage, Set, SmartIfDecoder, device_of, encode
 
 
 class DummyServer:

@@ -16,8 +16,7 @@ from roah_rsbb.comm.channels import Network
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.ground import linux
 from roah_rsbb.ground.arguments import Parser, read_by
-from roah_rsbb.tablet.radio import TabletRadio
-from roah_rsbb.tablet.state import ShownTablet
+from roah_rsbb.tablet.radio import ShownTablet, TabletRadio
 
 PROGRAM = "dummy_tablet"
 # Time limit of --once.

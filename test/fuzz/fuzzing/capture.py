@@ -9,10 +9,9 @@ from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
 from helpers import golden
 from helpers.box_beacon import box_beacon
-from roah_rsbb.capture import listening, recording
-from roah_rsbb.capture.decoding import Decoder
-from roah_rsbb.capture.output import TextLines, json_line
-from roah_rsbb.capture.recording import BadRecording, Datagram
+from roah_rsbb.capture import decoding, listening
+from roah_rsbb.capture.decoding import BadRecording, Datagram, Decoder
+from roah_rsbb.capture.program import TextLines, json_line
 from roah_rsbb.comm.frame import encode
 
 _PORT = 6666
@@ -65,7 +64,7 @@ def recording_steps(data: bytes) -> Iterator[Step]:
 
     def read() -> None:
         try:
-            _, datagrams = recording.read(lines, "recording")
+            _, datagrams = decoding.read(lines, "recording")
             for _, datagram in zip(range(_MOST), datagrams):
                 _show(decoder, datagram)
         except BadRecording as bad:
@@ -101,8 +100,8 @@ def datagram_seeds() -> List[bytes]:
 
 def recording_seeds() -> List[bytes]:
     """A recording, and invalid data."""
-    head = recording.header_line(_PORT) + "\n"
-    line = recording.datagram_line(Datagram(_UTC, "10.0.0.2", _PORT, "10.0.0.1", _PORT, public_seeds()[0])) + "\n"
+    head = decoding.header_line(_PORT) + "\n"
+    line = decoding.datagram_line(Datagram(_UTC, "10.0.0.2", _PORT, "10.0.0.1", _PORT, public_seeds()[0])) + "\n"
     texts = (
         head + line * 3, head + line[:40], "", "{}", "[", "[" * 3000, head, head + "{}\n",
         head.replace("6666", "1e999"),

@@ -5,7 +5,6 @@ from typing import Dict, Iterator, List
 
 from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
-from roah_rsbb.devices.home import Home, device_of, is_ring
 from roah_rsbb.devices.smartif import (
     FROM_CONTROLLER,
     MAX_STRING,
@@ -14,9 +13,12 @@ from roah_rsbb.devices.smartif import (
     Changed,
     DeviceEvent,
     Garbage,
+    Home,
     Set,
     SmartIfDecoder,
+    device_of,
     encode,
+    is_ring,
 )
 
 _LONGEST = 4096  # bytes that are read at once

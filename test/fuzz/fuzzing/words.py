@@ -13,8 +13,8 @@ from roah_rsbb.referee import args
 from roah_rsbb.robot import dummy
 from roah_rsbb.tablet import dummy as dummy_tablet
 from roah_rsbb.tablet.maps import Map
-from roah_rsbb.tablet.pages import Pages, Refusal, refusal_text
-from roah_rsbb.tablet.state import BoxPart, ShownTablet
+from roah_rsbb.tablet.radio import BoxPart, ShownTablet
+from roah_rsbb.tablet.server import Pages, Refusal, refusal_text
 
 _MOST_WORDS = 30
 _PLAN = Map(b"\x89PNG image", 200, 100, 0.05, (0.0, 0.0, 0.0), False)

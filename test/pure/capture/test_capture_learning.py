@@ -4,9 +4,8 @@ import pytest
 
 from helpers.box_beacon import NEVER, box_beacon
 from helpers.small_box import PASSWORD
-from roah_rsbb.capture.decoding import BOX, PRIVATE_PORTS, TABLET, DatagramKind, Decoder, Speaker
-from roah_rsbb.capture.output import DatagramFilter
-from roah_rsbb.capture.recording import Datagram
+from roah_rsbb.capture.decoding import BOX, PRIVATE_PORTS, TABLET, Datagram, DatagramKind, Decoder, Speaker
+from roah_rsbb.capture.program import DatagramFilter
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import FrameFault, encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb

@@ -5,9 +5,8 @@ import json
 import pytest
 
 from helpers.box_beacon import NEVER, box_beacon
-from roah_rsbb.capture.decoding import Decoder
-from roah_rsbb.capture.output import TextLines, json_line
-from roah_rsbb.capture.recording import Datagram
+from roah_rsbb.capture.decoding import Datagram, Decoder
+from roah_rsbb.capture.program import TextLines, json_line
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb

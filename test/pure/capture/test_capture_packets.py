@@ -6,8 +6,8 @@ import struct
 
 import pytest
 
+from roah_rsbb.capture.decoding import Datagram
 from roah_rsbb.capture.listening import Fragment, parse_packet
-from roah_rsbb.capture.recording import Datagram
 
 SRC, DST, TIME = "10.0.0.2", "10.0.0.255", 1700000000.5
 DATA = bytes(range(40))

@@ -3,14 +3,15 @@
 import os
 import socket
 import sys
+import time
 from types import SimpleNamespace
 
 import pytest
 
 from helpers.small_box import BROADCAST, free_ports
-from roah_rsbb.capture import program, recording
+from roah_rsbb.capture import decoding, program
+from roah_rsbb.capture.decoding import Datagram
 from roah_rsbb.capture.program import main
-from roah_rsbb.capture.recording import Datagram
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
@@ -93,7 +94,7 @@ def test_what_is_kept_can_be_read_again(network, tmp_path, capsys):
     # A filter chooses what is shown only.
     main(["--plain", "--port", "7000", "--write", str(path), "--message", "TabletBeacon"])
     assert capsys.readouterr().out == ""
-    rsbb_port, datagrams = recording.read(iter(path.read_text().splitlines(keepends=True)), "run.jsonl")
+    rsbb_port, datagrams = decoding.read(iter(path.read_text().splitlines(keepends=True)), "run.jsonl")
     assert rsbb_port == 7000 and list(datagrams) == [beacon(1), beacon(2)]
 
 
@@ -117,7 +118,8 @@ def test_a_file_that_exists_is_not_written_over(network, tmp_path):
 
 def test_it_ends_after_its_duration(network, capsys, monkeypatch):
     # At its beginning, before the datagram, and after it.
-    monkeypatch.setattr(program, "time", SimpleNamespace(monotonic=iter([100.0, 100.1, 100.2]).__next__))
+    clock = {**vars(time), "monotonic": iter([100.0, 100.1, 100.2]).__next__}
+    monkeypatch.setattr(program, "time", SimpleNamespace(**clock))
     network(beacon(), ends=False)
     main(["--plain", "--duration", "0.2"])
     assert len(capsys.readouterr().out.splitlines()) == 1

@@ -6,9 +6,9 @@ import json
 import pytest
 
 from helpers.golden import PASSWORD, SESSIONS, load
-from roah_rsbb.capture import recording
+from roah_rsbb.capture import decoding
+from roah_rsbb.capture.decoding import Datagram
 from roah_rsbb.capture.program import main
-from roah_rsbb.capture.recording import Datagram
 
 PORT = 6666
 BEGIN = 1700000000.0
@@ -30,7 +30,7 @@ def shown(tmp_path, capsys, monkeypatch):
     def replay(what, *arguments):
         path = tmp_path / "run.jsonl"
         if not isinstance(what, str):
-            what = "".join(line + "\n" for line in [recording.header_line(PORT), *map(recording.datagram_line, what)])
+            what = "".join(line + "\n" for line in [decoding.header_line(PORT), *map(decoding.datagram_line, what)])
         path.write_text(what, encoding="utf-8")
         main(["--read", str(path), *arguments])
         out, err = capsys.readouterr()
@@ -85,8 +85,8 @@ def test_a_line_for_people(shown):
     assert "robot_state=STOP" in lines[0] and "skew=" in lines[0]
 
 
-HEADER = recording.header_line(PORT) + "\n"
-GOOD = recording.datagram_line(Datagram(BEGIN, "10.99.0.2", PORT, "10.99.0.255", PORT, b"\x02")) + "\n"
+HEADER = decoding.header_line(PORT) + "\n"
+GOOD = decoding.datagram_line(Datagram(BEGIN, "10.99.0.2", PORT, "10.99.0.255", PORT, b"\x02")) + "\n"
 
 
 @pytest.mark.parametrize("text, reported", [

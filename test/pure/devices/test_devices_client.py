@@ -6,11 +6,10 @@ import socket
 import pytest
 
 from helpers.waiting import News
-from roah_rsbb.devices import client as client_module
-from roah_rsbb.devices.client import SmartIfClient
+from roah_rsbb.devices import devices as client_module
+from roah_rsbb.devices.devices import SmartIfClient
 from roah_rsbb.devices.dummy_server import DummyServer
-from roah_rsbb.devices.home import RING, Home
-from roah_rsbb.devices.smartif import TO_CONTROLLER, Busy, Changed, DeviceEvent, SmartIfDecoder, encode
+from roah_rsbb.devices.smartif import RING, TO_CONTROLLER, Busy, Changed, DeviceEvent, Home, SmartIfDecoder, encode
 
 LIMIT_S = 10
 

@@ -12,7 +12,7 @@ import pytest
 from helpers.waiting import News
 from roah_rsbb.devices.devices import FILE, HomeDevices, open_settings
 from roah_rsbb.devices.dummy_server import DummyServer
-from roah_rsbb.devices.home import BadSetting, Home, devices_state
+from roah_rsbb.devices.smartif import BadSetting, Home, devices_state
 from roah_rsbb.model.messages import DevicesState
 
 LIMIT_S = 10

@@ -4,8 +4,7 @@ import json
 
 import pytest
 
-from roah_rsbb.devices.home import OUTPUTS, BadSetting, Home, device_of, is_ring
-from roah_rsbb.devices.smartif import Changed, DeviceEvent, Set
+from roah_rsbb.devices.smartif import OUTPUTS, BadSetting, Changed, DeviceEvent, Home, Set, device_of, is_ring
 
 
 @pytest.mark.parametrize("device, value, message", [

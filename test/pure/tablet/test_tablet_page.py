@@ -8,7 +8,7 @@ from helpers.dict_params import DictParams
 from helpers.http_clients import HOST, HttpClients
 from helpers.running_loop import running
 from roah_rsbb.ground.params import BadParams
-from roah_rsbb.tablet.tablet_page import TabletPage
+from roah_rsbb.tablet.server import TabletPage
 
 __all__ = ["running"]
 

@@ -6,8 +6,8 @@ import math
 import pytest
 
 from roah_rsbb.tablet.maps import Map
-from roah_rsbb.tablet.pages import SAME_CALL_S, UNANSWERED_S, Pages, Refusal
-from roah_rsbb.tablet.state import BOX_SILENT_S, NEVER, BoxPart, ShownTablet
+from roah_rsbb.tablet.radio import BOX_SILENT_S, NEVER, BoxPart, ShownTablet
+from roah_rsbb.tablet.server import SAME_CALL_S, UNANSWERED_S, Pages, Refusal
 
 PLAN = Map(b"png", 200, 100, 0.05, (-1.0, -2.0, 0.0), True)
 SILENT = BoxPart(False, NEVER, NEVER)

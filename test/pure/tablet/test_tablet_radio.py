@@ -16,8 +16,7 @@ from helpers.small_box import free_ports
 from roah_rsbb.comm.channels import Network, PublicChannel
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.tablet import dummy
-from roah_rsbb.tablet.radio import TabletRadio
-from roah_rsbb.tablet.state import NEVER, ShownTablet
+from roah_rsbb.tablet.radio import NEVER, ShownTablet, TabletRadio
 
 BROADCAST, BOX = "127.255.255.255", "127.0.0.1"
 
@@ -62,7 +61,8 @@ def tablet(running, box):
     """A radio at the box's own address, its state, and the effect of the box's beacons."""
     state = ShownTablet()
     news = []
-    made = TabletRadio(running.loop, state, news.append, lambda text: None, BROADCAST, box.port, box.host)
+    made = TabletRadio(running.loop, state, news.append, lambda text: None,
+                       Network(BROADCAST, box.port, box.host))
     made.state, made.news = state, news
     made.open()
     yield made

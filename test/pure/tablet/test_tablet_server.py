@@ -10,12 +10,11 @@ import pytest
 from tornado import httpclient, websocket
 
 from helpers.http_clients import BROKEN_REQUESTS, HOST, HttpClients
+from roah_rsbb.tablet import radio as state_module
 from roah_rsbb.tablet import server as server_module
-from roah_rsbb.tablet import state as state_module
 from roah_rsbb.tablet.maps import Map
-from roah_rsbb.tablet.pages import Pages
-from roah_rsbb.tablet.server import MAX_MESSAGES_A_SECOND, MAX_PAGES, TabletServer
-from roah_rsbb.tablet.state import NEVER, BoxPart, ShownTablet
+from roah_rsbb.tablet.radio import NEVER, BoxPart, ShownTablet
+from roah_rsbb.tablet.server import MAX_MESSAGES_A_SECOND, MAX_PAGES, Pages, TabletServer
 from roah_rsbb.web import limits
 from roah_rsbb.web.limits import Rates
 

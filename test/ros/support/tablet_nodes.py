@@ -9,7 +9,7 @@ import rospy
 
 from roah_rsbb.ground.installed import shipped_folder
 from roah_rsbb.ground.params import KnownParams
-from roah_rsbb.tablet.tablet_page import TabletPage
+from roah_rsbb.tablet.server import TabletPage
 from support.robots import BROADCAST
 from support.waiting import LIMIT_S, wait_until
 

@@ -18,7 +18,7 @@ from support.waiting import wait_until
 
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.tablet import maps
-from roah_rsbb.tablet.pages import SAME_CALL_S
+from roah_rsbb.tablet.server import SAME_CALL_S
 
 ROS_TESTS = pathlib.Path(__file__).resolve().parents[1]
 SHOTS = ROS_TESTS.parents[1] / "build" / "screenshots"

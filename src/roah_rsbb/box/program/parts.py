@@ -15,7 +15,7 @@ from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.sockets import source_host
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.devices.devices import HomeDevices, open_settings
-from roah_rsbb.devices.home import BadSetting, Home, devices_state
+from roah_rsbb.devices.smartif import BadSetting, Home, devices_state
 from roah_rsbb.devices.sounds import BELL, TIMEOUT, Sound, command_of
 from roah_rsbb.document.calls import PAIR, Call, Caller, InThread
 from roah_rsbb.ground.installed import shipped_folder
@@ -25,7 +25,7 @@ from roah_rsbb.ground.params import Params
 from roah_rsbb.ground.signs_of_life import WEB_PORT
 from roah_rsbb.model.modules import ModulesState
 from roah_rsbb.rulebook.registry import BenchmarkKind
-from roah_rsbb.tablet.tablet_page import TabletPage
+from roah_rsbb.tablet.server import TabletPage
 from roah_rsbb.web.gateway import Gateway, GatewayHost
 from roah_rsbb.web.pairing import ORGANISER
 from roah_rsbb.wording.whole_box.devices import NO_DEVICES

@@ -17,7 +17,7 @@ from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.box.program.parts import ControlledDevices
 from roah_rsbb.devices.devices import HomeDevices
-from roah_rsbb.devices.home import OUTPUTS, BadSetting, Home, devices_state
+from roah_rsbb.devices.smartif import OUTPUTS, BadSetting, Home, devices_state
 from roah_rsbb.msg import DevicesState, DevicesStatus
 from roah_rsbb.nodes.core.original_topics import publish
 from roah_rsbb.protocol import PERCENTAGES, SWITCHES
