@@ -108,7 +108,7 @@ class CoreAssembly:
             self.fence.check, machine.random_bytes, machine.seen)
         self.radio.use_passwords(version, config.passwords)
         self.journal = CoreJournal(box, self.store)
-        self._stops, self._channels = StopNotes(memory, inform_standby), ChannelNotes(memory)
+        self._stops, self._channels = StopNotes(memory, inform_standby, machine.boot_id), ChannelNotes(memory)
         self.run_logs = make_run_logs(machine.uuid, self._on_log_trouble, self._on_log_repaired)
         self.driver = CoreDriver(loop, box, self.radio, self.run_logs, ports, self.journal, outputs, self.now,
                                  self.fence.check, self._stops.sent, self._stops.starts)
@@ -145,8 +145,7 @@ class CoreAssembly:
         `Saved`.
         """
         previous, boot_id = self.store.previous, self._machine.boot_id
-        before = "" if previous.last is None else previous.last.boot_id
-        ahead = ahead_of(self._place.log_dir, before, boot_id)
+        ahead = functools.partial(ahead_of, self._place.log_dir, own_boot=boot_id)
         stops = {**read_stops(self._place.log_dir), **self._stops.before()}
         saved, warnings = saved_state(previous, self.now(), boot_id, ahead, stops)
         for warning in warnings:

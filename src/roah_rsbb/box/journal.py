@@ -245,18 +245,24 @@ class CoreJournal:
 
 
 def saved_state(
-    before: PreviousSession, now: Now, boot: str, ahead: Ahead = NOT_MEASURED, stops: Mapping[str, str] = {},
+    before: PreviousSession, now: Now, boot: str, ahead_of: Callable[[str], Ahead] = lambda boot: NOT_MEASURED,
+    stops: Mapping[str, str] = {},
 ) -> Tuple[Saved, List[str]]:
     """The state from which the box resumes, and warnings about unreadable parts.
 
-    `ahead`: how far the clocks of this computer are ahead of those of the computer before. `stops`: what is known of
-    STOPs of the box before, which its journal may not have (`box/stops.py`).
+    `ahead_of` returns how far the clocks of this computer are ahead of those of a boot of the computer before.
+    `stops`: what is known of STOPs of the box before, which its journal may not have (`box/stops.py`).
     """
+    def here(anchor: Anchor) -> Anchor:
+        return anchor._replace(utc=anchor.utc + ahead_of(anchor.boot).utc_s)
+
+    def shift_of(anchor: Anchor) -> float:
+        if last is not None and anchor.boot == last.boot:
+            return shift  # as the times in the states
+        return here(anchor).shift(now, boot, ahead_of(anchor.boot).mono_s)
     warnings: List[str] = []
-    last = before.last
-    if last is not None:
-        last = last._replace(utc=last.utc + ahead.utc_s)
-    shift = 0.0 if last is None else Anchor(last.mono, last.utc, last.boot_id).shift(now, boot, ahead.mono_s)
+    last = None if before.last is None else here(Anchor(before.last.mono, before.last.utc, before.last.boot_id))
+    shift = 0.0 if last is None else last.shift(now, boot, ahead_of(last.boot).mono_s)
     box, zones, records = BoxSaved(), {}, []
     for name, state in before.states.items():
         try:
@@ -273,7 +279,7 @@ def saved_state(
         except (BadState, ValueError, RecursionError) as error:
             warnings.append(f"The journal's record of a run cannot be read, and cannot be corrected here: {error}")
     utc, mono = (now.utc, now.mono) if last is None else (last.utc, last.mono + shift)
-    return Saved(utc, box, zones, tuple(records), mono=mono, stopped=unrecorded(stops, records, shift)), warnings
+    return Saved(utc, box, zones, tuple(records), mono=mono, stopped=unrecorded(stops, records, shift_of)), warnings
 
 
 def _clock_value(clock: RunClock, mono: float) -> Dict[str, Any]:

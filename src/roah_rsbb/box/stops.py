@@ -14,6 +14,7 @@ from roah_rsbb.ground.signs_of_life import CHANNEL
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.fields import MAX_TEXT
 from roah_rsbb.model.records import By, EndReason, RunRecord
+from roah_rsbb.model.saved import Anchor
 
 # Before the identity of the run, in the names of the notes.
 PREFIX = "stop/"
@@ -77,10 +78,10 @@ class _Note(NamedTuple):
 class StopNotes:
     """The notes of STOPs whose record is not on the disk. Call everything in the loop's thread."""
 
-    def __init__(self, memory: Memory, inform_standby: Callable[[Mapping[str, str]], object]) -> None:
+    def __init__(self, memory: Memory, inform_standby: Callable[[Mapping[str, str]], object], boot: str) -> None:
         """`inform_standby` passes texts of STOPs by the identity of the run to the standby, if there is one. An empty
-        text withdraws the one before."""
-        self._memory, self._inform_standby = memory, inform_standby
+        text withdraws the one before. `boot` identifies the start of this computer."""
+        self._memory, self._inform_standby, self._boot = memory, inform_standby, boot
         self._notes: Dict[str, _Note] = {}  # by the identity of the run
         self._passed: Set[str] = set()  # the runs of those that the standby has, which keeps them
         self._again: Set[str] = set()  # of those, the runs that were started again
@@ -100,8 +101,8 @@ class StopNotes:
     def sent(self, now: Now, record: RunRecord, ticket: int) -> None:
         """STOP was sent `now` to a robot of a run, and is recorded next, with this ticket. `record`: what is."""
         stop = record.stops[-1]
-        text = json.dumps([now.mono, stop.utc, stop.end_reason, stop.who[:MOST_WHO], stop.reason[:MAX_TEXT]],
-                          ensure_ascii=False)
+        text = json.dumps([now.mono, stop.utc, stop.end_reason, stop.who[:MOST_WHO], stop.reason[:MAX_TEXT],
+                           self._boot], ensure_ascii=False)
         self._notes[record.identity] = _Note(ticket, text)
         self._passed.add(record.identity)
         self._again.discard(record.identity)
@@ -134,16 +135,20 @@ class StopNotes:
         self._memory.drop(PREFIX + identity)
 
 
-def unrecorded(stops: Mapping[str, str], records: List[RunRecord], shift: float) -> Dict[str, UnrecordedStop]:
+def unrecorded(
+    stops: Mapping[str, str], records: List[RunRecord], shift_of: Callable[[Anchor], float],
+) -> Dict[str, UnrecordedStop]:
     """Return those of the texts of STOPs that no record has, and that came after the last start that a record has, by
-    the identity of the run. `shift`: from the monotonic clock of the box before to that of this one (s)."""
+    the identity of the run. `shift_of` returns by how many seconds a moment is moved on the monotonic clock: each
+    note has the boot of its box, which may be another one than that of the journal's last record."""
     known = {record.identity: max([record.started_utc, *(stop.utc for stop in record.stops)]) for record in records}
     found: Dict[str, UnrecordedStop] = {}
     for identity, text in stops.items():
         try:
-            mono, utc, reason, who, why = json.loads(text)
+            mono, utc, reason, who, why, boot = json.loads(text)
             if utc > known.get(identity, 0.0):
-                found[identity] = UnrecordedStop(Now(mono + shift, utc), EndReason[reason.upper()], By(who, why))
+                found[identity] = UnrecordedStop(
+                    Now(mono + shift_of(Anchor(mono, utc, boot)), utc), EndReason[reason.upper()], By(who, why))
         except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
             continue  # withdrawn, or of another version: the robot still gets nothing before a referee decides
     return found

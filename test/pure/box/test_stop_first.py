@@ -393,15 +393,32 @@ def test_a_run_that_was_started_again_is_not_ended_by_its_earlier_stop(stage, ta
     assert RobotState.STOP not in stage.states and stage.robot.state is RobotState.EXECUTING
 
 
+@pytest.mark.parametrize("takes_over", [False, True])
+def test_a_stop_after_a_power_failure_has_its_time_though_the_journal_has_none_of_this_start(stage, takes_over):
+    """The disk is full since the computer was switched on again: the newest record is of its start before."""
+    stage = stage(has_standby=takes_over)
+    stage.execute()
+    started = stage.scheduler.now - stage.run.record(stage.box.core.now()).elapsed_s
+    stage.box.kill(2.0, power=True)
+    stage.storage.full_until = STILL_S
+    stage.pass_time(6.0)
+    stage.do("stop")
+    stopped = stage.scheduler.now
+    stage.pass_time(0.5)
+    stage.lose_core(takes_over)
+    record = stage.run.record(stage.box.core.now())
+    assert record.end_reason == "stopped" and record.elapsed_s == pytest.approx(stopped - started, abs=0.1)
+
+
 @pytest.mark.parametrize("sign", ["a", "ü", "\U0001f600", '"', "\x01"])
 def test_a_stop_with_the_longest_reason_is_kept_and_one_that_is_too_long_keeps_out_no_other(tmp_path, sign):
     passed, who, why = {}, sign * MOST_WHO, sign * MAX_TEXT
     record = RunRecord("run", "home", "HGTKMH", "Alpha", 1, 1, 0.0, 0.0,
                        stops=(StopRecord(5.0, who, "stopped", "", why),))
-    StopNotes(NoMemory(), passed.update).sent(Now(1.0, 5.0), record, 1)
+    StopNotes(NoMemory(), passed.update, "boot").sent(Now(1.0, 5.0), record, 1)
     assert stops_in({"other": "x" * (LONGEST + 1), **passed, "third": 5}) == passed
     add_stops(str(tmp_path), passed)
-    assert unrecorded(read_stops(str(tmp_path)), [], 0.0) == {
+    assert unrecorded(read_stops(str(tmp_path)), [], lambda anchor: 0.0) == {
         "run": UnrecordedStop(Now(1.0, 5.0), EndReason.STOPPED, By(who, why))}
 
 

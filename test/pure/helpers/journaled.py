@@ -48,7 +48,7 @@ class JournaledDriver(BoxDriver):
         self._rules.restart()
         self.box = Box(self.config, self.settings, beacon_bytes, self.journal.previous.last_port, version)
         self.core_journal = journal.CoreJournal(self.box, self.journal)
-        saved, warnings = journal.saved_state(self.journal.previous, self.now, self.boot, self.ahead)
+        saved, warnings = journal.saved_state(self.journal.previous, self.now, self.boot, lambda boot: self.ahead)
         self.troubles += [*self.journal.warnings, *warnings]
         self.event(self.box.resume, saved._replace(earlier=dict(earlier)))
 
