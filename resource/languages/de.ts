@@ -3427,71 +3427,6 @@
         <translation>er wurde ausgetauscht. Stecken Sie den Stick wieder ein</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/actions/connecting.py"/>
-        <source>A run is connected: disconnect it first</source>
-        <translation>Ein Lauf ist verbunden: Trennen Sie ihn zuerst</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/actions/connecting.py"/>
-        <source>A run is running: stop it first</source>
-        <translation>Ein Lauf läuft: Stoppen Sie ihn zuerst</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/actions/connecting.py"/>
-        <source>run {run} is running: stop it first</source>
-        <translation>Lauf {run} läuft: Stoppen Sie ihn zuerst</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/actions/connecting.py"/>
-        <source>No run is connected</source>
-        <translation>Kein Lauf ist verbunden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/actions/connecting.py"/>
-        <source>{code} is for all robots at once: connect without a robot</source>
-        <translation>{code} ist für alle Roboter zugleich: Verbinden Sie, ohne einen Roboter zu nennen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/actions/connecting.py"/>
-        <source>The run was started, so its team appeared</source>
-        <translation>Der Lauf wurde gestartet, das Team ist also erschienen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/actions/connecting.py"/>
-        <source>This event is signed off: go to the next one, unless another attempt is due</source>
-        <translation>Dieser Termin ist abgeschlossen: Gehen Sie zum nächsten, außer wenn ein weiterer Versuch ansteht</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/actions/entries.py"/>
-        <source>The item gets no value: give its value, or say that it was not attempted</source>
-        <translation>Der Punkt bekommt keinen Wert: Geben Sie seinen Wert an, oder dass er nicht versucht wurde</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/actions/events.py"/>
-        <source>zone &apos;{zone}&apos; has no event &apos;{event}&apos; any more: choose it again</source>
-        <translation>Zone „{zone}“ hat den Termin „{event}“ nicht mehr: Wählen Sie ihn noch einmal</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/actions/events.py"/>
-        <source>The event is of team {team} now: choose it again</source>
-        <translation>Der Termin ist jetzt von Team {team}: Wählen Sie ihn erneut</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/actions/events.py"/>
-        <source>The run of {code}, team {team}, round {round}, run {run} is not signed off: confirm to leave it</source>
-        <translation>Der Lauf von {code}, Team {team}, Runde {round}, Lauf {run} ist nicht abgeschlossen: Bestätigen Sie, dass Sie ihn verlassen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/actions/events.py"/>
-        <source>This is the zone&apos;s first event</source>
-        <translation>Das ist der erste Termin der Zone</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/actions/events.py"/>
-        <source>This is the zone&apos;s last event</source>
-        <translation>Das ist der letzte Termin der Zone</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/core/actions/modules.py"/>
         <source>zone &apos;{zone}&apos; has no manual operation now</source>
         <translation>Zone „{zone}“ hat jetzt keinen Handeingriff</translation>
@@ -3517,79 +3452,139 @@
         <translation>die Schalter können noch nicht bestätigt werden: Der Roboter ist nicht fertig</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
+        <source>A run is connected: disconnect it first</source>
+        <translation>Ein Lauf ist verbunden: Trennen Sie ihn zuerst</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
+        <source>A run is running: stop it first</source>
+        <translation>Ein Lauf läuft: Stoppen Sie ihn zuerst</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
+        <source>run {run} is running: stop it first</source>
+        <translation>Lauf {run} läuft: Stoppen Sie ihn zuerst</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
+        <source>No run is connected</source>
+        <translation>Kein Lauf ist verbunden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
+        <source>{code} is for all robots at once: connect without a robot</source>
+        <translation>{code} ist für alle Roboter zugleich: Verbinden Sie, ohne einen Roboter zu nennen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
+        <source>The run was started, so its team appeared</source>
+        <translation>Der Lauf wurde gestartet, das Team ist also erschienen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
+        <source>This event is signed off: go to the next one, unless another attempt is due</source>
+        <translation>Dieser Termin ist abgeschlossen: Gehen Sie zum nächsten, außer wenn ein weiterer Versuch ansteht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
         <source>No run is running</source>
         <translation>Es läuft kein Lauf</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
         <source>Already started</source>
         <translation>Schon gestartet</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
         <source>The rules of this benchmark do not allow a restart: disconnect, and connect for a new run</source>
         <translation>Die Regeln dieses Benchmarks erlauben keinen Neustart: Trennen Sie ihn und verbinden Sie sich für einen neuen Lauf</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
         <source>The run ended by timeout: disconnect, and connect for a new run</source>
         <translation>Die Zeit des Laufs ist abgelaufen: Trennen Sie ihn und verbinden Sie sich für einen neuen Lauf</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
         <source>The run&apos;s time is up (the clock kept running after the stop): disconnect, and connect for a new run</source>
         <translation>Die Zeit des Laufs ist um (die Uhr lief nach dem Stopp weiter): Trennen Sie ihn und verbinden Sie sich für einen neuen Lauf</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
         <source>The run is not started: disconnect to leave it</source>
         <translation>Der Lauf ist nicht gestartet: Verlassen Sie ihn mit Trennen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
         <source>The run is over, but the robot did not answer STOP: stop it by hand</source>
         <translation>Der Lauf ist vorbei, aber der Roboter hat nicht auf STOPP geantwortet: Halten Sie ihn von Hand an</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
         <source>The run is over: disconnect to leave it</source>
         <translation>Der Lauf ist vorbei: Verlassen Sie ihn mit Trennen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
         <source>The rules of this benchmark do not allow a pause</source>
         <translation>Die Regeln dieses Benchmarks erlauben keine Pause</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
         <source>The run is not in doubt after a restart</source>
         <translation>Es gibt nach einem Neustart keinen Zweifel an diesem Lauf</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
         <source>This benchmark has no phases</source>
         <translation>Dieser Benchmark hat keine Phasen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
+        <source>zone &apos;{zone}&apos; has no event &apos;{event}&apos; any more: choose it again</source>
+        <translation>Zone „{zone}“ hat den Termin „{event}“ nicht mehr: Wählen Sie ihn noch einmal</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
+        <source>The event is of team {team} now: choose it again</source>
+        <translation>Der Termin ist jetzt von Team {team}: Wählen Sie ihn erneut</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
+        <source>The run of {code}, team {team}, round {round}, run {run} is not signed off: confirm to leave it</source>
+        <translation>Der Lauf von {code}, Team {team}, Runde {round}, Lauf {run} ist nicht abgeschlossen: Bestätigen Sie, dass Sie ihn verlassen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
         <source>The clock is paused</source>
         <translation>Die Uhr ist angehalten</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
         <source>The clock is not paused</source>
         <translation>Die Uhr ist nicht angehalten</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
         <source>This is the first phase</source>
         <translation>Das ist die erste Phase</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/actions/running.py"/>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
         <source>This is the last phase</source>
         <translation>Das ist die letzte Phase</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
+        <source>This is the zone&apos;s first event</source>
+        <translation>Das ist der erste Termin der Zone</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
+        <source>This is the zone&apos;s last event</source>
+        <translation>Das ist der letzte Termin der Zone</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/actions/table.py"/>
@@ -3622,6 +3617,11 @@
         <translation>Lauf {run} ist in Zone „{zone}“ nicht verbunden</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/core/actions/table.py"/>
+        <source>The item gets no value: give its value, or say that it was not attempted</source>
+        <translation>Der Punkt bekommt keinen Wert: Geben Sie seinen Wert an, oder dass er nicht versucht wurde</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/core/box.py"/>
         <source>This is a replay of {run}: nothing here is live, and commands have no effect</source>
         <translation>Dies ist die Wiedergabe von {run}: nichts hier ist live, und Befehle bewirken nichts</translation>
@@ -3632,109 +3632,154 @@
         <translation>Diese Box ist abgelöst: Die Box auf {address} hat übernommen. An Roboter wird nichts gesendet, und Befehle werden abgelehnt. Benutzen Sie die Fenster der anderen Box</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/candidates.py"/>
-        <source>Already connected</source>
-        <translation>Schon verbunden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/candidates.py"/>
-        <source>The box is still listening for another box, for {time} s</source>
-        <translation>Die Box horcht noch {time} s lang auf eine andere Box</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/candidates.py"/>
-        <source>The only attempt at this event was made: go to the next event. To allow more, raise &apos;attempts&apos; in benchmarks.yaml</source>
-        <translation>Der einzige Versuch dieses Termins ist gemacht: Gehen Sie zum nächsten Termin. Um mehr zu erlauben, erhöhen Sie „attempts“ in benchmarks.yaml</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/candidates.py"/>
-        <source>The last of {number} attempts at this event was made: go to the next event. To allow more, raise &apos;attempts&apos; in benchmarks.yaml</source>
-        <translation>Der letzte von {number} Versuchen dieses Termins ist gemacht: Gehen Sie zum nächsten Termin. Um mehr zu erlauben, erhöhen Sie „attempts“ in benchmarks.yaml</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/candidates.py"/>
-        <source>No robot &apos;{robot}&apos; of team {team} is ready to connect{hint}</source>
-        <translation>Kein Roboter „{robot}“ des Teams {team} ist bereit zum Verbinden{hint}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/candidates.py"/>
-        <source>No robot of team {team} is active: none of its beacons arrives on UDP port {port}</source>
-        <translation>Kein Roboter von Team {team} ist aktiv: Keines seiner Beacons kommt auf UDP-Port {port} an</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/candidates.py"/>
-        <source>No robot is active: no beacon arrives on UDP port {port}</source>
-        <translation>Kein Roboter ist aktiv: Kein Beacon kommt auf UDP-Port {port} an</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/candidates.py"/>
-        <source>Robot {robot} is in a run in zone {zone}</source>
-        <translation>Roboter {robot} ist in einem Lauf in Zone {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/candidates.py"/>
-        <source>robot {robot}</source>
-        <translation>Roboter {robot}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/candidates.py"/>
-        <source>{robot} cannot take part: {why}</source>
-        <translation>{robot} kann nicht teilnehmen: {why}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/candidates.py"/>
-        <source>it is in a run in zone {zone}</source>
-        <translation>er ist in einem Lauf in Zone {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/candidates.py"/>
-        <source>its team has no password in the passwords file</source>
-        <translation>sein Team hat kein Passwort in der Passwortdatei</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/candidates.py"/>
-        <source>it was not heard for {time} s</source>
-        <translation>er wurde seit {time} s nicht gehört</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/candidates.py"/>
-        <source>{robot} is active, but not in this run: disconnect and connect again to include it</source>
-        <translation>{robot} ist aktiv, aber nicht in diesem Lauf: Trennen und verbinden Sie, um ihn aufzunehmen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/capacity.py"/>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
         <source>All UDP ports up to {port} are used up: start the box with another log_dir, whose record of used ports is empty, and if need be with a lower rsbb_port</source>
         <translation>Alle UDP-Ports bis {port} sind verbraucht: Starten Sie die Box mit einem anderen log_dir, in dem noch keine Ports vermerkt sind, und nötigenfalls mit kleinerem rsbb_port</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/capacity.py"/>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
         <source>All UDP ports up to {port} but {left} are used up, and {number} robots need one each: start the box with another log_dir, whose record of used ports is empty, and if need be with a lower rsbb_port</source>
         <translation>Alle UDP-Ports bis {port} bis auf {left} sind verbraucht, und {number} Roboter brauchen je einen: Starten Sie die Box mit einem anderen log_dir, in dem noch keine Ports vermerkt sind, und nötigenfalls mit kleinerem rsbb_port</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/capacity.py"/>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
         <source>The beacon may need {size} bytes with {more}, and robots may read only {most}: {remedies}, or raise max_datagram if all robots are known to read more</source>
         <translation>Der Beacon braucht mit {more} bis zu {size} Byte, und Roboter lesen vielleicht nur {most}: {remedies}, oder erhöhen Sie max_datagram, wenn sicher alle Roboter mehr lesen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/capacity.py"/>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
+        <source>Already connected</source>
+        <translation>Schon verbunden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
+        <source>The box is still listening for another box, for {time} s</source>
+        <translation>Die Box horcht noch {time} s lang auf eine andere Box</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
+        <source>The only attempt at this event was made: go to the next event. To allow more, raise &apos;attempts&apos; in benchmarks.yaml</source>
+        <translation>Der einzige Versuch dieses Termins ist gemacht: Gehen Sie zum nächsten Termin. Um mehr zu erlauben, erhöhen Sie „attempts“ in benchmarks.yaml</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
+        <source>The last of {number} attempts at this event was made: go to the next event. To allow more, raise &apos;attempts&apos; in benchmarks.yaml</source>
+        <translation>Der letzte von {number} Versuchen dieses Termins ist gemacht: Gehen Sie zum nächsten Termin. Um mehr zu erlauben, erhöhen Sie „attempts“ in benchmarks.yaml</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
+        <source>No robot &apos;{robot}&apos; of team {team} is ready to connect{hint}</source>
+        <translation>Kein Roboter „{robot}“ des Teams {team} ist bereit zum Verbinden{hint}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
+        <source>No robot of team {team} is active: none of its beacons arrives on UDP port {port}</source>
+        <translation>Kein Roboter von Team {team} ist aktiv: Keines seiner Beacons kommt auf UDP-Port {port} an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
+        <source>No robot is active: no beacon arrives on UDP port {port}</source>
+        <translation>Kein Roboter ist aktiv: Kein Beacon kommt auf UDP-Port {port} an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
+        <source>Robot {robot} is in a run in zone {zone}</source>
+        <translation>Roboter {robot} ist in einem Lauf in Zone {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
+        <source>robot {robot}</source>
+        <translation>Roboter {robot}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
+        <source>{robot} cannot take part: {why}</source>
+        <translation>{robot} kann nicht teilnehmen: {why}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
+        <source>it is in a run in zone {zone}</source>
+        <translation>er ist in einem Lauf in Zone {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
+        <source>its team has no password in the passwords file</source>
+        <translation>sein Team hat kein Passwort in der Passwortdatei</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
+        <source>it was not heard for {time} s</source>
+        <translation>er wurde seit {time} s nicht gehört</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
+        <source>{robot} is active, but not in this run: disconnect and connect again to include it</source>
+        <translation>{robot} ist aktiv, aber nicht in diesem Lauf: Trennen und verbinden Sie, um ihn aufzunehmen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
         <source>one more robot</source>
         <translation>einem weiteren Roboter</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/capacity.py"/>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
         <source>{number} more robots</source>
         <translation>{number} weiteren Robotern</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/capacity.py"/>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
         <source>leave only {number} of them switched on</source>
         <translation>lassen Sie nur {number} davon eingeschaltet</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/capacity.py"/>
+        <location filename="../../src/roah_rsbb/core/connections.py"/>
         <source>end another run first</source>
         <translation>beenden Sie zuerst einen anderen Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/continuing.py"/>
+        <source>The core was restarted at {time}, {down} s after its last record</source>
+        <translation>Der Core wurde um {time} neu gestartet, {down} s nach seinem letzten Eintrag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/continuing.py"/>
+        <source>The run of {benchmark}, team {team}, that was connected before the restart cannot continue: {why}. Its scores are in the journal: the program &apos;results&apos; shows them</source>
+        <translation>Der Lauf von {benchmark}, Team {team}, der vor dem Neustart verbunden war, kann nicht weitergehen: {why}. Seine Wertungen sind im Journal: Das Programm &apos;results&apos; zeigt sie</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/continuing.py"/>
+        <source>zone &apos;{zone}&apos; is no longer in the schedule</source>
+        <translation>Zone „{zone}“ steht nicht mehr im Zeitplan</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/continuing.py"/>
+        <source>its event is no longer in the schedule of zone &apos;{zone}&apos;</source>
+        <translation>sein Termin steht nicht mehr im Zeitplan der Zone „{zone}“</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/continuing.py"/>
+        <source>The schedule was changed while no box ran: the zone goes to {code}, team {team}</source>
+        <translation>Der Zeitplan wurde geändert, während keine Box lief: Die Zone geht zu {code}, Team {team}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/continuing.py"/>
+        <source>its saved state is invalid ({error})</source>
+        <translation>sein gespeicherter Zustand ist ungültig ({error})</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/continuing.py"/>
+        <source>zone &apos;{zone}&apos; is no longer in the schedule, but a run of {code} is connected in it: disconnect it first</source>
+        <translation>Zone „{zone}“ steht nicht mehr im Zeitplan, aber ein Lauf von {code} ist dort verbunden: Trennen Sie ihn zuerst</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/continuing.py"/>
+        <source>{text}: the run continues if its robot does</source>
+        <translation>{text}: Der Lauf geht weiter, wenn sein Roboter weitermacht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/continuing.py"/>
+        <source>{text}: the run continues on the box at {address}</source>
+        <translation>{text}: Der Lauf geht auf der Box auf {address} weiter</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/copies.py"/>
@@ -3787,169 +3832,39 @@
         <translation>Die Kopie des Journals ({place}) ist {time} s, {size} kB zurück: {why}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>the judges differ: the head referee settles {items}</source>
-        <translation>die Juroren weichen ab: Der Hauptschiedsrichter entscheidet {items}</translation>
+        <location filename="../../src/roah_rsbb/core/desks.py"/>
+        <source>name the run: what arrives late must not count in another run</source>
+        <translation>nennen Sie den Lauf: Was spät ankommt, darf nicht in einem anderen Lauf zählen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>{missing} of {count} judges have not submitted: wait for them, or decide with a reason not to wait</source>
-        <translation>{missing} von {count} Juroren haben nicht abgegeben: Warten Sie auf sie, oder entscheiden Sie mit Begründung, nicht zu warten</translation>
+        <location filename="../../src/roah_rsbb/core/desks.py"/>
+        <source>run {run} was in zone &apos;{zone}&apos;, not in &apos;{other}&apos;</source>
+        <translation>Lauf {run} war in Zone „{zone}“, nicht in „{other}“</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>{missing} of {count} judges have not submitted ({names}): wait for them, or decide with a reason not to wait</source>
-        <translation>{missing} von {count} Juroren haben nicht abgegeben ({names}): Warten Sie auf sie, oder entscheiden Sie mit Begründung, nicht zu warten</translation>
+        <location filename="../../src/roah_rsbb/core/desks.py"/>
+        <source>run {run} is still connected: disconnect it first</source>
+        <translation>Lauf {run} ist noch verbunden: Trennen Sie ihn zuerst</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>hand a sheet back</source>
-        <translation>Bogen zurückgeben</translation>
+        <location filename="../../src/roah_rsbb/core/desks.py"/>
+        <source>name the run to sign off: only a run that is over can be signed off</source>
+        <translation>nennen Sie den Lauf, der abgeschlossen wird: Nur ein beendeter Lauf kann abgeschlossen werden</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>withdraw a sheet</source>
-        <translation>Bogen zurückziehen</translation>
+        <location filename="../../src/roah_rsbb/core/desks.py"/>
+        <source>the id &apos;{id}&apos; cannot identify a mark: give each mark a new UUID</source>
+        <translation>die Kennung „{id}“ kann keine Wertung bezeichnen: Geben Sie jeder Wertung eine neue UUID</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>stop waiting for missing judges</source>
-        <translation>nicht auf fehlende Juroren warten</translation>
+        <location filename="../../src/roah_rsbb/core/desks.py"/>
+        <source>no role &apos;{role}&apos;: choose one of {choices}</source>
+        <translation>keine Rolle „{role}“: Wählen Sie aus {choices}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>settle an item</source>
-        <translation>einen Punkt entscheiden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>no judge is missing</source>
-        <translation>es fehlt kein Juror</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>settle the items after that</source>
-        <translation>entscheiden Sie die Punkte danach</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>this benchmark has no judges with sheets of their own: see the key &apos;judges&apos; of the benchmarks file</source>
-        <translation>dieser Benchmark hat keine Juroren mit eigenen Bögen: siehe den Schlüssel „judges“ der Benchmark-Datei</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>a judge needs a name: enter it, in the terminal with --by</source>
-        <translation>ein Juror braucht einen Namen: Geben Sie ihn ein, im Terminal mit --by</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>to {what} needs the name of the head referee: enter it, in the terminal with --by</source>
-        <translation>{what}: Der Name des Hauptschiedsrichters fehlt: Geben Sie ihn ein, im Terminal mit --by</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>to {what} needs a reason: type one</source>
-        <translation>{what}: Die Begründung fehlt: Geben Sie eine ein</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>the sheet of {judge} is submitted: ask the head referee to hand it back</source>
-        <translation>der Bogen von {judge} ist abgegeben: Bitten Sie den Hauptschiedsrichter, ihn zurückzugeben</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>the sheet of {judge} was withdrawn: mark an item to begin another one</source>
-        <translation>der Bogen von {judge} wurde zurückgezogen: Werten Sie einen Punkt, um einen anderen zu beginnen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>no rating of {missing}: rate it, or mark it as not attempted</source>
-        <translation>keine Bewertung von {missing}: Bewerten Sie es, oder markieren Sie es als nicht versucht</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>{judge} has not submitted, so the sheet cannot be handed back</source>
-        <translation>{judge} hat nicht abgegeben, also kann der Bogen nicht zurückgegeben werden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>&apos;{judge}&apos; has no sheet of this run: it is judged by {names}</source>
-        <translation>„{judge}“ hat keinen Bogen dieses Laufs: Es jurieren {names}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>this run already has its {count} judges ({names}): the head referee can withdraw a sheet</source>
-        <translation>dieser Lauf hat schon seine {count} Juroren ({names}): Der Hauptschiedsrichter kann einen Bogen zurückziehen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>{most} sheets of judges were opened for this run: settle the items instead</source>
-        <translation>{most} Bögen von Juroren wurden für diesen Lauf geöffnet: Entscheiden Sie stattdessen die Punkte</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
-        <source>the judges&apos; sheets of this run were changed {most} times: no more changes are kept</source>
-        <translation>die Bögen der Juroren dieses Laufs wurden {most}-mal geändert: Weitere Änderungen werden nicht behalten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
-        <source>objections are possible until {time}: wait, or publish again with a shorter time limit</source>
-        <translation>Einsprüche sind bis {time} möglich: Warten Sie, oder veröffentlichen Sie noch einmal mit kürzerer Frist</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
-        <source>the result is not published yet: publish it as provisional first</source>
-        <translation>das Ergebnis ist noch nicht veröffentlicht: Veröffentlichen Sie es zuerst als vorläufig</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
-        <source>an answer to an objection needs a text: type one</source>
-        <translation>eine Antwort auf einen Einspruch braucht einen Text: Geben Sie einen ein</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
-        <source>publish the result as provisional first: the rules give time for objections</source>
-        <translation>veröffentlichen Sie das Ergebnis zuerst als vorläufig: Die Regeln geben Zeit für Einsprüche</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
-        <source>answer objection {numbers} first</source>
-        <translation>beantworten Sie zuerst Einspruch {numbers}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
-        <source>{limit} s for objections: at most {most} are possible</source>
-        <translation>{limit} s für Einsprüche: Höchstens {most} sind möglich</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
-        <source>objections were possible until {time}: the organiser can publish the result again, with another time limit</source>
-        <translation>Einsprüche waren bis {time} möglich: Der Veranstalter kann das Ergebnis mit anderer Frist noch einmal veröffentlichen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
-        <source>who objects</source>
-        <translation>wer Einspruch erhebt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
-        <source>the text of the objection</source>
-        <translation>der Text des Einspruchs</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
-        <source>enter {missing}</source>
-        <translation>es fehlt: {missing}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
-        <source>{most} objections were entered: no more are kept</source>
-        <translation>{most} Einsprüche wurden eingetragen: Weitere werden nicht behalten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
-        <source>there is no objection {number}: {count} were entered</source>
-        <translation>es gibt keinen Einspruch {number}: {count} wurden eingetragen</translation>
+        <location filename="../../src/roah_rsbb/core/desks.py"/>
+        <source>run {run} is over, but run {other} is running in zone &apos;{zone}&apos;: stop again</source>
+        <translation>Lauf {run} ist vorbei, aber Lauf {other} läuft in Zone „{zone}“: Stoppen Sie noch einmal</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/link/link.py"/>
@@ -4027,54 +3942,19 @@
         <translation>Die Uhr von {robot} weicht um {skew} ab, erlaubt sind weniger als {limit} s: Stellen Sie die Uhr des Roboters</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/modules/presence.py"/>
+        <location filename="../../src/roah_rsbb/core/modules.py"/>
         <source>Benchmarking module not connected: nothing drives {code}. Start the box with modules:=true, and see its log: the rules may be damaged</source>
         <translation>Das Benchmark-Modul ist nicht verbunden: Nichts führt {code}. Starten Sie die Box mit modules:=true, und sehen Sie in ihrem Protokoll nach: Die Regeln können beschädigt sein</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/reload.py"/>
-        <source>zone &apos;{zone}&apos; is no longer in the schedule, but a run of {code} is connected in it: disconnect it first</source>
-        <translation>Zone „{zone}“ steht nicht mehr im Zeitplan, aber ein Lauf von {code} ist dort verbunden: Trennen Sie ihn zuerst</translation>
+        <location filename="../../src/roah_rsbb/core/modules.py"/>
+        <source>there is no switch {switch}: they are numbered 1 to {count}</source>
+        <translation>es gibt keinen Schalter {switch}: Sie sind von 1 bis {count} nummeriert</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
-        <source>The core was restarted at {time}, {down} s after its last record</source>
-        <translation>Der Core wurde um {time} neu gestartet, {down} s nach seinem letzten Eintrag</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
-        <source>The run of {benchmark}, team {team}, that was connected before the restart cannot continue: {why}. Its scores are in the journal: the program &apos;results&apos; shows them</source>
-        <translation>Der Lauf von {benchmark}, Team {team}, der vor dem Neustart verbunden war, kann nicht weitergehen: {why}. Seine Wertungen sind im Journal: Das Programm &apos;results&apos; zeigt sie</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
-        <source>zone &apos;{zone}&apos; is no longer in the schedule</source>
-        <translation>Zone „{zone}“ steht nicht mehr im Zeitplan</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
-        <source>its event is no longer in the schedule of zone &apos;{zone}&apos;</source>
-        <translation>sein Termin steht nicht mehr im Zeitplan der Zone „{zone}“</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
-        <source>The schedule was changed while no box ran: the zone goes to {code}, team {team}</source>
-        <translation>Der Zeitplan wurde geändert, während keine Box lief: Die Zone geht zu {code}, Team {team}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
-        <source>its saved state is invalid ({error})</source>
-        <translation>sein gespeicherter Zustand ist ungültig ({error})</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
-        <source>{text}: the run continues if its robot does</source>
-        <translation>{text}: Der Lauf geht weiter, wenn sein Roboter weitermacht</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/restart/restart.py"/>
-        <source>{text}: the run continues on the box at {address}</source>
-        <translation>{text}: Der Lauf geht auf der Box auf {address} weiter</translation>
+        <location filename="../../src/roah_rsbb/core/modules.py"/>
+        <source>no more than {most} changes of switches can be entered</source>
+        <translation>mehr als {most} Änderungen von Schaltern können nicht eingetragen werden</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/robots.py"/>
@@ -4267,16 +4147,6 @@
         <translation>Zeitlimit des Benchmarks: {time} (angehalten)</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/runs/requests.py"/>
-        <source>there is no switch {switch}: they are numbered 1 to {count}</source>
-        <translation>es gibt keinen Schalter {switch}: Sie sind von 1 bis {count} nummeriert</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/runs/requests.py"/>
-        <source>no more than {most} changes of switches can be entered</source>
-        <translation>mehr als {most} Änderungen von Schaltern können nicht eingetragen werden</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/core/runs/run.py"/>
         <source>The robot did not answer STOP: stop it by hand. The box repeats STOP until the disconnect</source>
         <translation>Der Roboter hat nicht auf STOPP geantwortet: Halten Sie ihn von Hand an. Die Box wiederholt STOPP, bis Sie trennen</translation>
@@ -4367,284 +4237,54 @@
         <translation>Phase {number} von {all}, {name}: {desc}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/scoring/book.py"/>
-        <source>the run was not stopped yet, so it cannot have a reason</source>
-        <translation>der Lauf wurde noch nicht gestoppt, also kann er keinen Grund haben</translation>
+        <location filename="../../src/roah_rsbb/core/views/document.py"/>
+        <source>Listening for another box before transmitting: {time} s</source>
+        <translation>Horche vor dem Senden auf eine andere Box: {time} s</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/scoring/book.py"/>
-        <source>a sign-off needs the name of the referee: enter it, in the terminal with --by</source>
-        <translation>zum Abschließen fehlt der Name des Schiedsrichters: Geben Sie ihn ein, im Terminal mit --by</translation>
+        <location filename="../../src/roah_rsbb/core/views/document.py"/>
+        <source>Several robots of team {team} are active ({robots}): choose which one connects</source>
+        <translation>Mehrere Roboter von Team {team} sind aktiv ({robots}): Wählen Sie, welcher sich verbindet</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/scoring/book.py"/>
-        <source>the run has no stop {number}: choose from 1 to {count}, or 0 for the last one</source>
-        <translation>der Lauf hat keinen Stopp {number}: Wählen Sie von 1 bis {count}, oder 0 für den letzten</translation>
+        <location filename="../../src/roah_rsbb/core/views/document.py"/>
+        <source>All OK for start</source>
+        <translation>Bereit zum Starten</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/scoring/book.py"/>
-        <source>{count} judges score this benchmark, each on a sheet of their own: enter the score as a judge, or settle the item with a reason as the head referee</source>
-        <translation>{count} Juroren werten diesen Benchmark, jeder auf einem eigenen Bogen: Werten Sie als Juror, oder entscheiden Sie den Punkt als Hauptschiedsrichter mit Begründung</translation>
+        <location filename="../../src/roah_rsbb/core/views/document.py"/>
+        <source>Can be restarted. The clock is stopped</source>
+        <translation>Kann wieder gestartet werden. Die Uhr steht</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/scoring/book.py"/>
-        <source>the score sheet of run {run} was signed off by {who} at {time}: it is final. Take an objection to the technical committee</source>
-        <translation>der Wertungsbogen des Laufs {run} wurde von {who} um {time} abgeschlossen: Er ist endgültig. Wenden Sie sich mit einem Einspruch an das Technische Komitee</translation>
+        <location filename="../../src/roah_rsbb/core/views/document.py"/>
+        <source>Can be restarted. The clock kept running</source>
+        <translation>Kann wieder gestartet werden. Die Uhr lief weiter</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/scoring/book.py"/>
-        <source>&apos;{run}&apos; is not one of the newest {most} runs that are over: the program &apos;results&apos; shows it</source>
-        <translation>„{run}“ ist keiner der neuesten {most} Läufe, die vorbei sind: Das Programm &apos;results&apos; zeigt ihn</translation>
+        <location filename="../../src/roah_rsbb/core/views/document.py"/>
+        <source>Clock paused by the referee</source>
+        <translation>Uhr vom Schiedsrichter angehalten</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/score_desk.py"/>
-        <source>name the run: what arrives late must not count in another run</source>
-        <translation>nennen Sie den Lauf: Was spät ankommt, darf nicht in einem anderen Lauf zählen</translation>
+        <location filename="../../src/roah_rsbb/core/views/document.py"/>
+        <source>Attempt {number} of {all}</source>
+        <translation>Versuch {number} von {all}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/score_desk.py"/>
-        <source>run {run} was in zone &apos;{zone}&apos;, not in &apos;{other}&apos;</source>
-        <translation>Lauf {run} war in Zone „{zone}“, nicht in „{other}“</translation>
+        <location filename="../../src/roah_rsbb/core/views/document.py"/>
+        <source>Robot ready to accept connection: {robot}</source>
+        <translation>Roboter bereit zum Verbinden: {robot}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/score_desk.py"/>
-        <source>run {run} is still connected: disconnect it first</source>
-        <translation>Lauf {run} ist noch verbunden: Trennen Sie ihn zuerst</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/score_desk.py"/>
-        <source>name the run to sign off: only a run that is over can be signed off</source>
-        <translation>nennen Sie den Lauf, der abgeschlossen wird: Nur ein beendeter Lauf kann abgeschlossen werden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/score_desk.py"/>
-        <source>the id &apos;{id}&apos; cannot identify a mark: give each mark a new UUID</source>
-        <translation>die Kennung „{id}“ kann keine Wertung bezeichnen: Geben Sie jeder Wertung eine neue UUID</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/score_desk.py"/>
-        <source>no role &apos;{role}&apos;: choose one of {choices}</source>
-        <translation>keine Rolle „{role}“: Wählen Sie aus {choices}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/score_desk.py"/>
-        <source>run {run} is over, but run {other} is running in zone &apos;{zone}&apos;: stop again</source>
-        <translation>Lauf {run} ist vorbei, aber Lauf {other} läuft in Zone „{zone}“: Stoppen Sie noch einmal</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>a count</source>
-        <translation>eine Anzahl</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>a whole number</source>
-        <translation>eine ganze Zahl</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>0 or more</source>
-        <translation>0 oder mehr</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>&apos;{item}&apos; takes a number from {least} to {most} with at most {decimals} decimals, not &apos;{text}&apos;</source>
-        <translation>„{item}“ nimmt eine Zahl von {least} bis {most} mit höchstens {decimals} Nachkommastellen, nicht „{text}“</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>no entry can be withdrawn</source>
-        <translation>kein Eintrag kann zurückgenommen werden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>this benchmark has no scoring items for the referee</source>
-        <translation>dieser Benchmark hat keine Wertungspunkte für den Schiedsrichter</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>no scoring item &apos;{item}&apos; in group &apos;{group}&apos;{hint}</source>
-        <translation>kein Wertungspunkt „{item}“ in der Gruppe „{group}“{hint}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>from {least} to {most}</source>
-        <translation>von {least} bis {most}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>set the value without a note</source>
-        <translation>setzen Sie den Wert ohne Notiz</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>set the value instead</source>
-        <translation>setzen Sie stattdessen den Wert</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>choose from {numbers}</source>
-        <translation>wählen Sie aus {numbers}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>no scoring group &apos;{group}&apos;{hint}</source>
-        <translation>keine Wertungsgruppe „{group}“{hint}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>&apos;{item}&apos; is {what}: its value must be {limits}, not {value}</source>
-        <translation>„{item}“ ist {what}: Der Wert muss {limits} sein, nicht {value}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>the number {value}</source>
-        <translation>die Zahl {value}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>that mark was not applied, so it cannot be taken back</source>
-        <translation>jene Wertung kam nicht an, also kann sie nicht zurückgenommen werden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>that mark has no entry in the history: set the value instead</source>
-        <translation>jene Wertung hat keinen Eintrag im Verlauf: Setzen Sie stattdessen den Wert</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>that mark added to its item: add the opposite instead</source>
-        <translation>jene Wertung hat zu ihrem Punkt addiert: Addieren Sie stattdessen das Gegenteil</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>that mark shares an entry of the history with others: set the value instead</source>
-        <translation>jene Wertung teilt einen Eintrag des Verlaufs mit anderen: Setzen Sie stattdessen den Wert</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>&apos;{item}&apos; takes a whole number, not the text &apos;{text}&apos;</source>
-        <translation>„{item}“ nimmt eine ganze Zahl, nicht den Text „{text}“</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>&apos;{item}&apos; does not take {found}: choose one of {names}</source>
-        <translation>„{item}“ nimmt {found} nicht: Wählen Sie aus {names}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>&apos;{item}&apos; has no judge &apos;{judge}&apos;: choose one of {judges}</source>
-        <translation>„{item}“ hat keinen Juror „{judge}“: Wählen Sie aus {judges}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>&apos;{item}&apos; is rated by judges: name one of {judges}</source>
-        <translation>„{item}“ wird von Juroren bewertet: Nennen Sie einen von {judges}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>&apos;{item}&apos; is a rating: give the number as a text</source>
-        <translation>„{item}“ ist eine Bewertung: Geben Sie die Zahl als Text an</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>&apos;{item}&apos; is not rated by judges: leave out the judge</source>
-        <translation>„{item}“ wird nicht von Juroren bewertet: Lassen Sie den Juror weg</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>&apos;{item}&apos; cannot be counted: set its value</source>
-        <translation>„{item}“ kann nicht gezählt werden: Setzen Sie den Wert</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>&apos;{item}&apos; cannot be changed by &apos;{added}&apos;: give a number such as +1 or -1</source>
-        <translation>„{item}“ kann nicht um „{added}“ geändert werden: Geben Sie eine Zahl wie +1 oder -1</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>&apos;{item}&apos; is counted in whole numbers, not by &apos;{added}&apos;</source>
-        <translation>„{item}“ wird in ganzen Zahlen gezählt, nicht um „{added}“</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>the score sheet has no entry {number}: {hint}</source>
-        <translation>der Wertungsbogen hat keinen Eintrag {number}: {hint}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>entry {number} was withdrawn already, by {who}</source>
-        <translation>Eintrag {number} wurde schon zurückgenommen, von {who}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>entry {number} cannot be withdrawn, because later entries count from it: without it, {wrong}. Withdraw those first, or set the value</source>
-        <translation>Eintrag {number} kann nicht zurückgenommen werden, weil spätere von ihm aus zählen: Ohne ihn gilt: {wrong}. Nehmen Sie zuerst jene zurück, oder setzen Sie den Wert</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>{most} entries of the score sheet already have a note or are withdrawn: {instead}</source>
-        <translation>{most} Einträge des Wertungsbogens haben schon eine Notiz oder sind zurückgenommen: {instead}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>&apos;{item}&apos; is yes or no: its value must be 0 or 1, not {value}</source>
-        <translation>„{item}“ ist ja oder nein: Der Wert muss 0 oder 1 sein, nicht {value}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>the id &apos;{id}&apos; was used for &apos;{item}&apos;: give each mark a new UUID</source>
-        <translation>die Kennung „{id}“ wurde für „{item}“ verwendet: Geben Sie jeder Wertung eine neue UUID</translation>
+        <location filename="../../src/roah_rsbb/core/views/document.py"/>
+        <source>{number} robots ready to accept connection: {robots}</source>
+        <translation>{number} Roboter bereit zum Verbinden: {robots}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/views/document.py"/>
         <source>The end of the run is not recorded yet: write it down until this line is gone</source>
         <translation>Das Ende des Laufs ist noch nicht aufgezeichnet: Schreiben Sie es auf, bis diese Zeile verschwunden ist</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/views/views.py"/>
-        <source>Listening for another box before transmitting: {time} s</source>
-        <translation>Horche vor dem Senden auf eine andere Box: {time} s</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/views/views.py"/>
-        <source>Several robots of team {team} are active ({robots}): choose which one connects</source>
-        <translation>Mehrere Roboter von Team {team} sind aktiv ({robots}): Wählen Sie, welcher sich verbindet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/views/views.py"/>
-        <source>All OK for start</source>
-        <translation>Bereit zum Starten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/views/views.py"/>
-        <source>Can be restarted. The clock is stopped</source>
-        <translation>Kann wieder gestartet werden. Die Uhr steht</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/views/views.py"/>
-        <source>Can be restarted. The clock kept running</source>
-        <translation>Kann wieder gestartet werden. Die Uhr lief weiter</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/views/views.py"/>
-        <source>Clock paused by the referee</source>
-        <translation>Uhr vom Schiedsrichter angehalten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/views/views.py"/>
-        <source>Attempt {number} of {all}</source>
-        <translation>Versuch {number} von {all}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/views/views.py"/>
-        <source>Robot ready to accept connection: {robot}</source>
-        <translation>Roboter bereit zum Verbinden: {robot}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/views/views.py"/>
-        <source>{number} robots ready to accept connection: {robots}</source>
-        <translation>{number} Roboter bereit zum Verbinden: {robots}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/watches.py"/>
@@ -5227,6 +4867,11 @@
         <translation>Andere Antwort</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/model/reason.py"/>
+        <source>the note has {number} characters: at most {most} are kept, shorten it</source>
+        <translation>die Notiz hat {number} Zeichen: Höchstens {most} werden behalten, kürzen Sie sie</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/model/records.py"/>
         <source>Benchmark stopped by the referee</source>
         <translation>Benchmark vom Schiedsrichter gestoppt</translation>
@@ -5267,11 +4912,6 @@
         <translation>Das Team hat zurückgezogen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/model/reason.py"/>
-        <source>the note has {number} characters: at most {most} are kept, shorten it</source>
-        <translation>die Notiz hat {number} Zeichen: Höchstens {most} werden behalten, kürzen Sie sie</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/results/standings.py"/>
         <source>team {team}, {turn}: {what}</source>
         <translation>Team {team}, {turn}: {what}</translation>
@@ -5310,6 +4950,366 @@
         <location filename="../../src/roah_rsbb/results/standings.py"/>
         <source>{part} counts 0: no team has more than 0</source>
         <translation>{part} zählt 0: kein Team hat mehr als 0</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>the run was not stopped yet, so it cannot have a reason</source>
+        <translation>der Lauf wurde noch nicht gestoppt, also kann er keinen Grund haben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>a sign-off needs the name of the referee: enter it, in the terminal with --by</source>
+        <translation>zum Abschließen fehlt der Name des Schiedsrichters: Geben Sie ihn ein, im Terminal mit --by</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>the run has no stop {number}: choose from 1 to {count}, or 0 for the last one</source>
+        <translation>der Lauf hat keinen Stopp {number}: Wählen Sie von 1 bis {count}, oder 0 für den letzten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>{count} judges score this benchmark, each on a sheet of their own: enter the score as a judge, or settle the item with a reason as the head referee</source>
+        <translation>{count} Juroren werten diesen Benchmark, jeder auf einem eigenen Bogen: Werten Sie als Juror, oder entscheiden Sie den Punkt als Hauptschiedsrichter mit Begründung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>the score sheet of run {run} was signed off by {who} at {time}: it is final. Take an objection to the technical committee</source>
+        <translation>der Wertungsbogen des Laufs {run} wurde von {who} um {time} abgeschlossen: Er ist endgültig. Wenden Sie sich mit einem Einspruch an das Technische Komitee</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>&apos;{run}&apos; is not one of the newest {most} runs that are over: the program &apos;results&apos; shows it</source>
+        <translation>„{run}“ ist keiner der neuesten {most} Läufe, die vorbei sind: Das Programm &apos;results&apos; zeigt ihn</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>the judges differ: the head referee settles {items}</source>
+        <translation>die Juroren weichen ab: Der Hauptschiedsrichter entscheidet {items}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>{missing} of {count} judges have not submitted: wait for them, or decide with a reason not to wait</source>
+        <translation>{missing} von {count} Juroren haben nicht abgegeben: Warten Sie auf sie, oder entscheiden Sie mit Begründung, nicht zu warten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>{missing} of {count} judges have not submitted ({names}): wait for them, or decide with a reason not to wait</source>
+        <translation>{missing} von {count} Juroren haben nicht abgegeben ({names}): Warten Sie auf sie, oder entscheiden Sie mit Begründung, nicht zu warten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>hand a sheet back</source>
+        <translation>Bogen zurückgeben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>withdraw a sheet</source>
+        <translation>Bogen zurückziehen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>stop waiting for missing judges</source>
+        <translation>nicht auf fehlende Juroren warten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>settle an item</source>
+        <translation>einen Punkt entscheiden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>no judge is missing</source>
+        <translation>es fehlt kein Juror</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>settle the items after that</source>
+        <translation>entscheiden Sie die Punkte danach</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>this benchmark has no judges with sheets of their own: see the key &apos;judges&apos; of the benchmarks file</source>
+        <translation>dieser Benchmark hat keine Juroren mit eigenen Bögen: siehe den Schlüssel „judges“ der Benchmark-Datei</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>a judge needs a name: enter it, in the terminal with --by</source>
+        <translation>ein Juror braucht einen Namen: Geben Sie ihn ein, im Terminal mit --by</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>to {what} needs the name of the head referee: enter it, in the terminal with --by</source>
+        <translation>{what}: Der Name des Hauptschiedsrichters fehlt: Geben Sie ihn ein, im Terminal mit --by</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>to {what} needs a reason: type one</source>
+        <translation>{what}: Die Begründung fehlt: Geben Sie eine ein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>the sheet of {judge} is submitted: ask the head referee to hand it back</source>
+        <translation>der Bogen von {judge} ist abgegeben: Bitten Sie den Hauptschiedsrichter, ihn zurückzugeben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>the sheet of {judge} was withdrawn: mark an item to begin another one</source>
+        <translation>der Bogen von {judge} wurde zurückgezogen: Werten Sie einen Punkt, um einen anderen zu beginnen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>no rating of {missing}: rate it, or mark it as not attempted</source>
+        <translation>keine Bewertung von {missing}: Bewerten Sie es, oder markieren Sie es als nicht versucht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>{judge} has not submitted, so the sheet cannot be handed back</source>
+        <translation>{judge} hat nicht abgegeben, also kann der Bogen nicht zurückgegeben werden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>&apos;{judge}&apos; has no sheet of this run: it is judged by {names}</source>
+        <translation>„{judge}“ hat keinen Bogen dieses Laufs: Es jurieren {names}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>this run already has its {count} judges ({names}): the head referee can withdraw a sheet</source>
+        <translation>dieser Lauf hat schon seine {count} Juroren ({names}): Der Hauptschiedsrichter kann einen Bogen zurückziehen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>{most} sheets of judges were opened for this run: settle the items instead</source>
+        <translation>{most} Bögen von Juroren wurden für diesen Lauf geöffnet: Entscheiden Sie stattdessen die Punkte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/judges.py"/>
+        <source>the judges&apos; sheets of this run were changed {most} times: no more changes are kept</source>
+        <translation>die Bögen der Juroren dieses Laufs wurden {most}-mal geändert: Weitere Änderungen werden nicht behalten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
+        <source>objections are possible until {time}: wait, or publish again with a shorter time limit</source>
+        <translation>Einsprüche sind bis {time} möglich: Warten Sie, oder veröffentlichen Sie noch einmal mit kürzerer Frist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
+        <source>the result is not published yet: publish it as provisional first</source>
+        <translation>das Ergebnis ist noch nicht veröffentlicht: Veröffentlichen Sie es zuerst als vorläufig</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
+        <source>an answer to an objection needs a text: type one</source>
+        <translation>eine Antwort auf einen Einspruch braucht einen Text: Geben Sie einen ein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
+        <source>publish the result as provisional first: the rules give time for objections</source>
+        <translation>veröffentlichen Sie das Ergebnis zuerst als vorläufig: Die Regeln geben Zeit für Einsprüche</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
+        <source>answer objection {numbers} first</source>
+        <translation>beantworten Sie zuerst Einspruch {numbers}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
+        <source>{limit} s for objections: at most {most} are possible</source>
+        <translation>{limit} s für Einsprüche: Höchstens {most} sind möglich</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
+        <source>objections were possible until {time}: the organiser can publish the result again, with another time limit</source>
+        <translation>Einsprüche waren bis {time} möglich: Der Veranstalter kann das Ergebnis mit anderer Frist noch einmal veröffentlichen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
+        <source>who objects</source>
+        <translation>wer Einspruch erhebt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
+        <source>the text of the objection</source>
+        <translation>der Text des Einspruchs</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
+        <source>enter {missing}</source>
+        <translation>es fehlt: {missing}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
+        <source>{most} objections were entered: no more are kept</source>
+        <translation>{most} Einsprüche wurden eingetragen: Weitere werden nicht behalten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
+        <source>there is no objection {number}: {count} were entered</source>
+        <translation>es gibt keinen Einspruch {number}: {count} wurden eingetragen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>a count</source>
+        <translation>eine Anzahl</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>a whole number</source>
+        <translation>eine ganze Zahl</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>0 or more</source>
+        <translation>0 oder mehr</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>&apos;{item}&apos; takes a number from {least} to {most} with at most {decimals} decimals, not &apos;{text}&apos;</source>
+        <translation>„{item}“ nimmt eine Zahl von {least} bis {most} mit höchstens {decimals} Nachkommastellen, nicht „{text}“</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>no entry can be withdrawn</source>
+        <translation>kein Eintrag kann zurückgenommen werden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>this benchmark has no scoring items for the referee</source>
+        <translation>dieser Benchmark hat keine Wertungspunkte für den Schiedsrichter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>no scoring item &apos;{item}&apos; in group &apos;{group}&apos;{hint}</source>
+        <translation>kein Wertungspunkt „{item}“ in der Gruppe „{group}“{hint}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>from {least} to {most}</source>
+        <translation>von {least} bis {most}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>set the value without a note</source>
+        <translation>setzen Sie den Wert ohne Notiz</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>set the value instead</source>
+        <translation>setzen Sie stattdessen den Wert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>choose from {numbers}</source>
+        <translation>wählen Sie aus {numbers}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>no scoring group &apos;{group}&apos;{hint}</source>
+        <translation>keine Wertungsgruppe „{group}“{hint}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>&apos;{item}&apos; is {what}: its value must be {limits}, not {value}</source>
+        <translation>„{item}“ ist {what}: Der Wert muss {limits} sein, nicht {value}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>the number {value}</source>
+        <translation>die Zahl {value}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>that mark was not applied, so it cannot be taken back</source>
+        <translation>jene Wertung kam nicht an, also kann sie nicht zurückgenommen werden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>that mark has no entry in the history: set the value instead</source>
+        <translation>jene Wertung hat keinen Eintrag im Verlauf: Setzen Sie stattdessen den Wert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>that mark added to its item: add the opposite instead</source>
+        <translation>jene Wertung hat zu ihrem Punkt addiert: Addieren Sie stattdessen das Gegenteil</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>that mark shares an entry of the history with others: set the value instead</source>
+        <translation>jene Wertung teilt einen Eintrag des Verlaufs mit anderen: Setzen Sie stattdessen den Wert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>&apos;{item}&apos; takes a whole number, not the text &apos;{text}&apos;</source>
+        <translation>„{item}“ nimmt eine ganze Zahl, nicht den Text „{text}“</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>&apos;{item}&apos; does not take {found}: choose one of {names}</source>
+        <translation>„{item}“ nimmt {found} nicht: Wählen Sie aus {names}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>&apos;{item}&apos; has no judge &apos;{judge}&apos;: choose one of {judges}</source>
+        <translation>„{item}“ hat keinen Juror „{judge}“: Wählen Sie aus {judges}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>&apos;{item}&apos; is rated by judges: name one of {judges}</source>
+        <translation>„{item}“ wird von Juroren bewertet: Nennen Sie einen von {judges}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>&apos;{item}&apos; is a rating: give the number as a text</source>
+        <translation>„{item}“ ist eine Bewertung: Geben Sie die Zahl als Text an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>&apos;{item}&apos; is not rated by judges: leave out the judge</source>
+        <translation>„{item}“ wird nicht von Juroren bewertet: Lassen Sie den Juror weg</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>&apos;{item}&apos; cannot be counted: set its value</source>
+        <translation>„{item}“ kann nicht gezählt werden: Setzen Sie den Wert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>&apos;{item}&apos; cannot be changed by &apos;{added}&apos;: give a number such as +1 or -1</source>
+        <translation>„{item}“ kann nicht um „{added}“ geändert werden: Geben Sie eine Zahl wie +1 oder -1</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>&apos;{item}&apos; is counted in whole numbers, not by &apos;{added}&apos;</source>
+        <translation>„{item}“ wird in ganzen Zahlen gezählt, nicht um „{added}“</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>the score sheet has no entry {number}: {hint}</source>
+        <translation>der Wertungsbogen hat keinen Eintrag {number}: {hint}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>entry {number} was withdrawn already, by {who}</source>
+        <translation>Eintrag {number} wurde schon zurückgenommen, von {who}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>entry {number} cannot be withdrawn, because later entries count from it: without it, {wrong}. Withdraw those first, or set the value</source>
+        <translation>Eintrag {number} kann nicht zurückgenommen werden, weil spätere von ihm aus zählen: Ohne ihn gilt: {wrong}. Nehmen Sie zuerst jene zurück, oder setzen Sie den Wert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>{most} entries of the score sheet already have a note or are withdrawn: {instead}</source>
+        <translation>{most} Einträge des Wertungsbogens haben schon eine Notiz oder sind zurückgenommen: {instead}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>&apos;{item}&apos; is yes or no: its value must be 0 or 1, not {value}</source>
+        <translation>„{item}“ ist ja oder nein: Der Wert muss 0 oder 1 sein, nicht {value}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>the id &apos;{id}&apos; was used for &apos;{item}&apos;: give each mark a new UUID</source>
+        <translation>die Kennung „{id}“ wurde für „{item}“ verwendet: Geben Sie jeder Wertung eine neue UUID</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/standby/box_end.py"/>

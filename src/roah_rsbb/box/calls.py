@@ -9,7 +9,7 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
 from roah_rsbb.box import standby_answers
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.judge_desk import RunJudging
+from roah_rsbb.core.desks import RunJudging
 from roah_rsbb.core.views import sheets
 from roah_rsbb.document.calls import Call, Caller, Waiting
 from roah_rsbb.document.written import write

@@ -14,8 +14,8 @@ from typing import Callable, Deque, Dict, Iterable, List, NamedTuple, Optional, 
 from roah_rsbb.box.journal import CoreJournal
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
+from roah_rsbb.core.continuing import Saved
 from roah_rsbb.core.effects import Effect, Level
-from roah_rsbb.core.restart.restart import Saved
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import NEVER, BoxMessage, RobotReport

@@ -9,9 +9,9 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Seq
 from roah_rsbb.box.stops import unrecorded
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
+from roah_rsbb.core.continuing import BoxSaved, Saved
 from roah_rsbb.core.effects import BOX, Effect, Level
-from roah_rsbb.core.restart.restart import BoxSaved, Saved
-from roah_rsbb.core.views.views import clock_of
+from roah_rsbb.core.views.document import clock_of
 from roah_rsbb.core.zones import ZoneState, key_of
 from roah_rsbb.journal import epochs, kinds
 from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow

@@ -9,8 +9,8 @@ from roah_rsbb.check.bad_network import BadNetwork
 from roah_rsbb.comm.channels import Network
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
+from roah_rsbb.core.continuing import Saved
 from roah_rsbb.core.effects import Effect
-from roah_rsbb.core.restart.restart import Saved
 from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.run import Run
 from roah_rsbb.core.settings import Settings

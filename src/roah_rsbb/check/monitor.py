@@ -7,7 +7,7 @@ from roah_rsbb.check.box import STILL_VALID_S, HeardReport, states_before
 from roah_rsbb.check.findings import Cause, Verdict
 from roah_rsbb.check.play import SILENT_S, Play
 from roah_rsbb.comm.frame import FrameFault
-from roah_rsbb.core.modules.texts import result_text
+from roah_rsbb.core.modules import result_text
 from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.protocol import BoxState, RobotState, wire_seconds
 from roah_rsbb.robot.machine import BOX_TABLE, EVENT_TABLE, box_transition

@@ -8,26 +8,19 @@ import math
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.core import effects
-from roah_rsbb.core.actions.entries import Entries
-from roah_rsbb.core.actions.record import CommandRecord
-from roah_rsbb.core.actions.table import NOTHING, Actions, Target
-from roah_rsbb.core.candidates import Candidates
-from roah_rsbb.core.clock import ClockWatch
-from roah_rsbb.core.connections import Connections
+from roah_rsbb.core.actions.table import NOTHING, Actions, Entries, Target
+from roah_rsbb.core.connections import Candidates, Connections
+from roah_rsbb.core.continuing import BoxSaved, Reload, Restart, Saved
 from roah_rsbb.core.copies import Copies, CopyReport
+from roah_rsbb.core.desks import CommandRecord, JudgeDesk, ModuleDesk, ScoreDesk
 from roah_rsbb.core.effects import Effect, How, Level, Outbox
-from roah_rsbb.core.judge_desk import JudgeDesk
-from roah_rsbb.core.link.heard import Heard
-from roah_rsbb.core.modules.desk import ModuleDesk
-from roah_rsbb.core.modules.presence import Modules
-from roah_rsbb.core.reload import Reload
-from roah_rsbb.core.restart.restart import BoxSaved, Restart, Saved
+from roah_rsbb.core.link.freshness import Heard
+from roah_rsbb.core.modules import Modules
 from roah_rsbb.core.robots import ActiveRobots, RobotId
 from roah_rsbb.core.runs.run import Consequence, Run
-from roah_rsbb.core.score_desk import ScoreDesk
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
-from roah_rsbb.core.watches import Watches
+from roah_rsbb.core.watches import ClockWatch, Watches
 from roah_rsbb.core.zones import Zones, ZoneState
 from roah_rsbb.model.actions import ENTRIES
 from roah_rsbb.model.clock import Now

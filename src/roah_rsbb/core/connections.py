@@ -1,4 +1,8 @@
-"""Opens each run on its own private port, leaves it, and reopens its channel after a restart.
+"""Which robots a zone can connect now, and their private channels.
+
+`Candidates` says why robots cannot take part, and how often a team has tried an event; `Capacity`, whether more runs
+are possible: free private ports, and space in the beacon to list the robots. `Connections` opens each run on its own
+private port, leaves it, and reopens its channel after a restart.
 
 Ports are used in rising order, and never twice in a competition. If a port cannot be opened for a new run, the next
 one is tried. A run that continues after a restart keeps its port, because its robot knows it; if that port cannot be
@@ -6,14 +10,14 @@ opened, it is tried again.
 """
 
 import functools
-from typing import Callable, Container, Dict, Iterable, List, Optional, Sequence, Tuple, Union
+from typing import Callable, Container, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from roah_rsbb.core import effects
-from roah_rsbb.core.capacity import LAST_PORT, Capacity, ports_warning
 from roah_rsbb.core.copies import Copies
 from roah_rsbb.core.effects import How, Level, Outbox
-from roah_rsbb.core.link.heard import Heard
-from roah_rsbb.core.modules.presence import Modules
+from roah_rsbb.core.link.freshness import Heard
+from roah_rsbb.core.link.skew import THE_ROBOT
+from roah_rsbb.core.modules import Modules
 from roah_rsbb.core.robots import MAX_ROBOTS, ActiveRobot, ActiveRobots, RobotId
 from roah_rsbb.core.runs.all_robots import AllRobotsRun
 from roah_rsbb.core.runs.by_hand import HandRun
@@ -24,10 +28,14 @@ from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import Zone, Zones, ZoneState
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.messages import Beacon, BenchmarkingRobot
-from roah_rsbb.model.records import NOBODY, By
+from roah_rsbb.model.messages import Beacon, BenchmarkingRobot, DevicesState, TabletState
+from roah_rsbb.model.reason import cut_note, joined, say
+from roah_rsbb.model.records import NOBODY, By, Phase, RunRecord
+from roah_rsbb.protocol import WireTime
 from roah_rsbb.rulebook.registry import TABLET, BenchmarkKind
 from roah_rsbb.scoring.book import FinishedRuns
+from roah_rsbb.wording import times
+from roah_rsbb.wording.suggestions import did_you_mean
 
 # More failures than robots to connect mean that no port can be opened. This is how many more.
 MAX_PORTS_TRIED = 20
@@ -257,3 +265,245 @@ class Connections:
                 version = self._zones[run.zone].version
                 self._outbox.emit(effects.OpenChannel(port, run.robot.team, run.link.host, version))
                 run.send(How.CHANGE)
+
+
+LAST_PORT = 65535
+NO_PORTS = say("All UDP ports up to {port} are used up: start the box with another log_dir, whose record of used ports "
+               "is empty, and if need be with a lower rsbb_port")
+FEW_PORTS = say("All UDP ports up to {port} but {left} are used up, and {number} robots need one each: start the box "
+                "with another log_dir, whose record of used ports is empty, and if need be with a lower rsbb_port")
+BIG_BEACON = say("The beacon may need {size} bytes with {more}, and robots may read only {most}: {remedies}, or raise "
+                 "max_datagram if all robots are known to read more")
+ONE_MORE, SEVERAL_MORE = say("one more robot"), say("{number} more robots")
+LEAVE_ONLY, END_A_RUN = say("leave only {number} of them switched on"), say("end another run first")
+# The documented firewall rules allow this many UDP ports from rsbb_port: 6666 to 7000.
+PORTS = 335
+# Every referee is warned when no more than this many runs are possible before the last port.
+PORTS_LEFT = 10
+
+# A beacon must still fit after the bell rings. Negative times are the longest on the wire.
+LONGEST_TIME: WireTime = (-1, -1)
+LONGEST_DEVICES = DevicesState(bell=LONGEST_TIME, dimmer=100, blinds=100)
+LONGEST_TABLET = TabletState(call_time=LONGEST_TIME, position_time=LONGEST_TIME)
+
+
+def ports_warning(rsbb_port: int, last_port: int) -> List[str]:
+    """Return a warning if the next private ports are beyond those that firewalls allow; empty: no warning."""
+    end = rsbb_port + PORTS - 1
+    if last_port + PORTS_LEFT <= end:
+        return []
+    return [
+        f"{max(0, end - last_port)} UDP ports are left of {rsbb_port} to {end}, which firewalls allow if they were "
+        "set up as documented. Open more on the box and on the robots, or start the box with another log_dir"
+    ]
+
+
+class Capacity(NamedTuple):
+    """The capacity of a box for further runs."""
+
+    beacon_size: Callable[[Beacon], int]  # bytes of the datagram that carries a beacon
+    max_datagram: int  # bytes that every robot can read
+    last_port: int  # the highest private port that was ever used
+    listed: Sequence[BenchmarkingRobot]  # robots that are in runs
+
+    def off(self, robots: Sequence[RobotId]) -> List[str]:
+        """Return why a run of each of these robots is not possible besides the present runs; empty: it is."""
+        return self._ports_off(max(1, len(robots))) + self._beacon_off(robots)
+
+    def _ports_off(self, count: int) -> List[str]:
+        left = LAST_PORT - self.last_port
+        if count <= left:
+            return []
+        if left <= 0:
+            return [NO_PORTS(port=LAST_PORT)]
+        return [FEW_PORTS(port=LAST_PORT, left=left, number=count)]
+
+    def _beacon_off(self, robots: Sequence[RobotId]) -> List[str]:
+        size = self._size(robots) if robots else 0
+        if size <= self.max_datagram:
+            return []
+        more = ONE_MORE if len(robots) == 1 else SEVERAL_MORE(number=len(robots))
+        fitting = self._fitting(robots)
+        remedies: List[str] = [LEAVE_ONLY(number=fitting)] if fitting else []
+        remedies += [END_A_RUN] if self.listed or not fitting else []
+        return [BIG_BEACON(size=size, more=more, most=self.max_datagram, remedies=joined(remedies, ", "))]
+
+    def _size(self, robots: Sequence[RobotId]) -> int:
+        entries = (
+            BenchmarkingRobot(robot.team, robot.robot, min(self.last_port + number, LAST_PORT))
+            for number, robot in enumerate(robots, 1)
+        )
+        return self.beacon_size(Beacon((*self.listed, *entries), LONGEST_DEVICES, LONGEST_TABLET))
+
+    def _fitting(self, robots: Sequence[RobotId]) -> int:
+        """Return how many of the first robots fit. Bisection, because computing each size takes time."""
+        fits, too_many = 0, len(robots)
+        while too_many - fits > 1:
+            middle = (fits + too_many) // 2
+            if self._size(robots[:middle]) <= self.max_datagram:
+                fits = middle
+            else:
+                too_many = middle
+        return fits
+
+
+ALREADY = say("Already connected")
+LISTENING = say("The box is still listening for another box, for {time} s")
+THE_ONLY = say("The only attempt at this event was made: go to the next event. To allow more, raise 'attempts' in "
+               "benchmarks.yaml")
+THE_LAST = say("The last of {number} attempts at this event was made: go to the next event. To allow more, raise "
+               "'attempts' in benchmarks.yaml")
+NO_SUCH_ROBOT = say("No robot '{robot}' of team {team} is ready to connect{hint}")
+NO_ROBOT = say("No robot of team {team} is active: none of its beacons arrives on UDP port {port}")
+NO_ROBOTS = say("No robot is active: no beacon arrives on UDP port {port}")
+IN_A_RUN = say("Robot {robot} is in a run in zone {zone}")
+NAMED = say("robot {robot}")
+UNFIT = say("{robot} cannot take part: {why}")
+BUSY = say("it is in a run in zone {zone}")
+NO_PASSWORD = say("its team has no password in the passwords file")
+NOT_HEARD = say("it was not heard for {time} s")
+OUTSIDE = say("{robot} is active, but not in this run: disconnect and connect again to include it")
+
+
+class Outsiders(NamedTuple):
+    """All active robots that are not in the zone's run, by team and name."""
+
+    fit: Tuple[ActiveRobot, ...]
+    unfit: Tuple[str, ...]  # for each robot that cannot take part: its name and why
+
+
+class Candidates:
+    """Decides which robots *connect* takes."""
+
+    def __init__(
+        self, settings: Settings, zones: Zones, robots: ActiveRobots, watches: Watches, connections: Connections,
+        finished: FinishedRuns,
+    ) -> None:
+        self._settings = settings
+        self._zones = zones
+        self._robots = robots
+        self._watches = watches
+        self._connections = connections
+        self._finished = finished
+
+    def to_connect(self, now: Now, zone: Zone, name: str = "") -> Sequence[ActiveRobot]:
+        """Return the robots that *connect* would take: all that can take part, or one robot of the team that is in no
+        run. Of several, it is the one of that name; without a name, one that was heard recently, and of these the one
+        known longest."""
+        if zone.event.benchmark.kind is BenchmarkKind.ALL_ROBOTS:
+            return self._outsiders(now, zone).fit
+        return [robot for robot in self._idle(now, zone) if name in ("", robot.id.robot)][:1]
+
+    def to_choose(self, now: Now, zone: Zone) -> Tuple[str, ...]:
+        """Return the names of the team's robots if the referee must choose one of several, in the order of preference;
+        else none."""
+        if zone.run is not None or zone.event.benchmark.kind is BenchmarkKind.ALL_ROBOTS:
+            return ()
+        names = tuple(robot.id.robot for robot in self._idle(now, zone))
+        return names if len(names) > 1 else ()
+
+    def outsiders(self, now: Now, zone: Zone) -> List[str]:
+        """Warn of robots that are not in the run of all robots, as long as that can be changed.
+
+        A robot that cannot take part does not exclude the others (docs/benchmarks.md, "The table"). The referee sees
+        who is left out and why, and can disconnect and connect again to include a late robot.
+        """
+        if zone.event.benchmark.kind is not BenchmarkKind.ALL_ROBOTS:
+            return []
+        if zone.run is not None and zone.run.phase is not Phase.CONNECTED:
+            return []
+        found = self._outsiders(now, zone)
+        if zone.run is None:
+            return list(found.unfit)
+        return [OUTSIDE(robot=str(robot.id)) for robot in found.fit] + list(found.unfit)
+
+    def off(self, now: Now, zone: Zone, name: str = "") -> List[str]:
+        """Return every reason why *connect* is off. `name`: of the robot to connect; empty: any."""
+        if zone.run is not None:
+            return [ALREADY]
+        reasons = self.attempts_off(zone)
+        listening = self._watches.listening_left(now)
+        if listening > 0:
+            reasons.append(LISTENING(time=f"{listening:.0f}"))
+        robots = self.to_connect(now, zone, name)
+        if zone.event.benchmark.kind is BenchmarkKind.ALL_ROBOTS:
+            reasons += self._nobody_off(now, zone)
+        else:
+            reasons += self._robot_off(now, zone, robots, name)
+        return reasons + self._connections.off([robot.id for robot in robots])
+
+    # -- attempts -----------------------------------------------------------------------------------
+
+    def attempt(self, zone: Zone) -> int:
+        """Return the number of the attempt that the zone's run is, or that the next one will be."""
+        return sum(bool(record.started_utc) for record in self._runs_of(zone)) + 1
+
+    def is_unsigned(self, zone: Zone) -> bool:
+        """Whether the run that a zone shows, or showed last, is over and not signed off."""
+        if zone.run is not None:
+            return True
+        last = next(self._runs_of(zone), None)
+        return last is not None and last.sign_off is None
+
+    def attempts_off(self, zone: Zone) -> List[str]:
+        """Return why the rules allow no further attempt at the zone's event; empty: they do."""
+        most = zone.event.benchmark.rules.attempts
+        if not most or self.attempt(zone) <= most:
+            return []
+        return [THE_ONLY if most == 1 else THE_LAST(number=most)]
+
+    def _runs_of(self, zone: Zone) -> Iterator[RunRecord]:
+        """Return the runs of the team at the zone's event that are over, the newest first."""
+        return filter(zone.is_of, self._finished.records())
+
+    # -- robots -------------------------------------------------------------------------------------
+
+    def _idle(self, now: Now, zone: Zone) -> List[ActiveRobot]:
+        """Return the robots of the event's team that are in no run, in the order of preference."""
+        of_team = self._robots.of_team(now, zone.event.team)
+        return [robot for robot in of_team if self._zones.run_of(robot.id) is None]
+
+    def _robot_off(self, now: Now, zone: Zone, robots: Sequence[ActiveRobot], name: str) -> List[str]:
+        team = zone.event.team
+        if not robots and name:
+            names = [robot.id.robot for robot in self._idle(now, zone)]
+            return [NO_SUCH_ROBOT(robot=cut_note(name), team=team, hint=did_you_mean(name, names))]
+        if not robots:
+            busy = [(r, self._zones.run_of(r.id)) for r in self._robots.of_team(now, team)]
+            if not busy:
+                return [NO_ROBOT(team=team, port=self._settings.rsbb_port)]
+            return [IN_A_RUN(robot=str(r.id), zone=run.zone) for r, run in busy if run is not None]
+        return robots[0].off(NAMED(robot=str(robots[0].id)))
+
+    def _nobody_off(self, now: Now, zone: Zone) -> List[str]:
+        """Return why a run of all robots would have no robots; empty: it would have some."""
+        found = self._outsiders(now, zone)
+        if found.fit:
+            return []
+        return list(found.unfit) or [NO_ROBOTS(port=self._settings.rsbb_port)]
+
+    def _outsiders(self, now: Now, zone: Zone) -> Outsiders:
+        """Return the robots that could be connected to a zone's run of all robots now, and why others cannot."""
+        inside = () if zone.run is None else tuple(member.robot for member in zone.run.members())
+        fit: List[ActiveRobot] = []
+        unfit: List[str] = []
+        for robot in self._robots.all(now):
+            if robot.id in inside:
+                continue
+            reasons = self._unfit_for(now, robot)
+            if reasons:
+                unfit.append(UNFIT(robot=str(robot.id), why=joined(reasons)))
+            else:
+                fit.append(robot)
+        return Outsiders(tuple(fit), tuple(unfit))
+
+    def _unfit_for(self, now: Now, robot: ActiveRobot) -> List[str]:
+        run = self._zones.run_of(robot.id)
+        if run is not None:
+            return [BUSY(zone=run.zone)]
+        reasons: List[str] = []
+        if not self._robots.has_password(robot.id.team):
+            reasons.append(NO_PASSWORD)
+        if robot.is_late(now):
+            reasons.append(NOT_HEARD(time=times.in_sentence(now.mono - robot.last_heard.mono)))
+        return reasons + robot.off(THE_ROBOT)

@@ -1,4 +1,5 @@
-"""Parameters of the core node that are rules of the game (docs/ros_interface.md, "Parameters")."""
+"""What the box allows: parameters that are rules of the game (docs/ros_interface.md, "Parameters"), and how much a
+sender may use."""
 
 from typing import NamedTuple
 
@@ -17,3 +18,23 @@ class Settings(NamedTuple):
     auto_next: bool = True  # after a run that was completed, the zone moves to its next event
     listen_duration: float = 5.0  # after the start, the box first only listens for another box
     take_over: bool = False  # send although another box was heard
+
+
+class Budget:
+    """A budget that refills with time."""
+
+    def __init__(self, at_once: float, per_second: float) -> None:
+        self._at_once = at_once
+        self._per_second = per_second
+        self._left = at_once
+        self._mono = float("-inf")  # of the last call
+
+    def take(self, now_mono: float, amount: float) -> bool:
+        """Use up `amount` and return True, or return False if not enough is left."""
+        passed = now_mono - self._mono
+        self._left = min(self._at_once, self._left + passed * self._per_second)
+        self._mono = now_mono
+        if amount > self._left:
+            return False
+        self._left -= amount
+        return True

@@ -15,7 +15,7 @@ otherwise fill the disk and the network.
 import math
 from typing import Any, List, NamedTuple, Optional
 
-from roah_rsbb.core.budget import Budget
+from roah_rsbb.core.settings import Budget
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import NEVER, TabletState
 from roah_rsbb.protocol import WireTime, wire_ns

@@ -65,7 +65,7 @@ class Zone:
     """One zone. Its schedule is in the order of the scheduled times.
 
     If the configuration is changed, a connected run keeps its event. It then stands in `events` instead of the one in
-    `planned`, until the run is left (`roah_rsbb.core.reload`).
+    `planned`, until the run is left (`roah_rsbb.core.continuing`).
     """
 
     def __init__(self, plan: ZonePlan, run_set: Callable[[], None] = lambda: None) -> None:

@@ -15,8 +15,8 @@ from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import encoded_size
 from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.budget import Budget
 from roah_rsbb.core.effects import How
+from roah_rsbb.core.settings import Budget
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import Beacon, BoxMessage, RobotReport
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb

@@ -22,7 +22,7 @@ from roah_rsbb.comm.frame import HEADER_SIZE, open_private
 from roah_rsbb.comm.peer import Address
 from roah_rsbb.comm.sender import GRID_S, on_grid
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.link.heard import RobotPast
+from roah_rsbb.core.link.freshness import RobotPast
 from roah_rsbb.core.runs.run import NO_REVISION, Run
 from roah_rsbb.model.clock import SAME_MOMENT_S, Now, one_moment
 from roah_rsbb.model.messages import RobotReport

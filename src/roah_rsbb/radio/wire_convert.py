@@ -6,7 +6,7 @@ from typing import Callable, NamedTuple, Optional, Tuple, Union
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.complaints import OnceASecond
 from roah_rsbb.comm.frame import Malformed, varint
-from roah_rsbb.core.budget import Budget
+from roah_rsbb.core.settings import Budget
 from roah_rsbb.model.messages import NEVER, Beacon, BoxMessage, RobotReport, TabletState
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import RobotState, WireTime

@@ -6,7 +6,7 @@ import sys
 import time
 from typing import Any, Callable, ContextManager, Dict, List, Optional, Tuple
 
-from roah_rsbb.core.actions.events import UNSIGNED
+from roah_rsbb.core.actions.runs import UNSIGNED
 from roah_rsbb.core.actions.table import confirmed_by
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.reason import Refused

@@ -182,7 +182,7 @@ def _score(memory: _Memory, entry: JournalEntry) -> str:
 
 
 def _goal_parts(value: object) -> Iterator[str]:
-    """Name the parts of a goal (`core/modules/texts.py`) that are set."""
+    """Name the parts of a goal (`core/modules.py`) that are set."""
     try:
         goal = json.loads(value) if isinstance(value, str) else value
     except ValueError:

@@ -18,10 +18,10 @@ from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions import table
 from roah_rsbb.core.box import Box
+from roah_rsbb.core.continuing import BoxSaved, Saved
 from roah_rsbb.core.effects import RunOpened
 from roah_rsbb.core.link.link import HERE_S
-from roah_rsbb.core.restart.restart import BoxSaved, Saved
-from roah_rsbb.core.views import views
+from roah_rsbb.core.views import document
 from roah_rsbb.core.zones import ZoneState
 from roah_rsbb.model.fields import form_text
 from roah_rsbb.model.messages import DevicesState, RobotReport, TabletState
@@ -302,10 +302,10 @@ class Play:
     def _look(self) -> None:
         """Make the messages that are published and sent periodically."""
         driver = self.driver
-        for view in views.ZoneViews(driver.box).look(driver.now).values():
+        for view in document.ZoneViews(driver.box).look(driver.now).values():
             assert view.state
             assert view.clock.timer(driver.now.mono) >= 0
-        assert views.box_status(driver.box, driver.now)
+        assert document.box_status(driver.box, driver.now)
         frame.encode(wire_convert.beacon_message(driver.box.beacon()))
         driver.box.modules.runs()
         deadline = driver.box.deadline()

@@ -13,7 +13,7 @@ from roah_rsbb.bmbox.hopf import HOPF
 from roah_rsbb.bmbox.host.limits import checked_state
 from roah_rsbb.bmbox.hppf import HPPF
 from roah_rsbb.bmbox.stb import STB
-from roah_rsbb.core.modules.texts import scores_json
+from roah_rsbb.core.modules import scores_json
 from roah_rsbb.model.modules import ModulesState, RequestKind
 
 SHAPE = {"class": str, "instance": str, "x": float, "y": float, "theta": float}

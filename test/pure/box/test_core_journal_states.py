@@ -3,7 +3,7 @@
 from helpers.all_robots import robots_of, take_ports
 from helpers.competition import DOOR, competition, event
 from helpers.journaled import box
-from roah_rsbb.core.views.views import clock_of
+from roah_rsbb.core.views.document import clock_of
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.changes import ChangesReader
 from roah_rsbb.journal.reader import JournalReader

@@ -115,7 +115,7 @@ def test_the_boxes_states():
     rows = table("| | STOP | PREPARE | GOAL_TX | WAITING_RESULT |")
     assert [row[0] for row in rows] == [state.name for state in RobotState]
     for robot, row in zip(RobotState, rows):
-        assert row[1:] == [cells[machine.TABLE[box, robot]] for box in BoxState]
+        assert row[1:] == [cells[machine.REACTIONS[box, robot]] for box in BoxState]
 
 
 @pytest.mark.parametrize("said", [

@@ -7,9 +7,9 @@ from helpers.competition import competition
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import AnotherBox, Level
 from roah_rsbb.core.robots import MAX_STRANGERS
-from roah_rsbb.core.runs.online_data import StringsBudget
+from roah_rsbb.core.runs.reported import StringsBudget
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.core.views import views
+from roah_rsbb.core.views import document
 from roah_rsbb.model import run_log
 from roah_rsbb.model.document import RobotSeen
 from roah_rsbb.protocol import RobotState
@@ -36,10 +36,10 @@ def test_a_box_that_hears_another_one_at_first_names_it_and_waits_for_a_referee(
     assert [effect.text for effect in taken if isinstance(effect, effects.Notice)] == [HELD]
     assert {effect.host for effect in taken if isinstance(effect, AnotherBox)} == {"10.0.0.99"}
     assert driver.box.is_held
-    assert views.box_status(driver.box, driver.now) == HELD
+    assert document.box_status(driver.box, driver.now) == HELD
     driver.run(1000)
     assert driver.box.is_held, "a pause of the network must not make two boxes transmit"
-    assert views.box_status(driver.box, driver.now) == HELD
+    assert document.box_status(driver.box, driver.now) == HELD
 
 
 def test_a_forged_beacon_of_a_box_prevents_no_run():
@@ -53,7 +53,7 @@ def test_a_forged_beacon_of_a_box_prevents_no_run():
     robot.port = driver.run_in().port
     hears_another(driver, 2)
     assert not driver.box.is_held
-    assert views.box_status(driver.box, driver.now) == (
+    assert document.box_status(driver.box, driver.now) == (
         "ANOTHER RSBB is transmitting from 10.0.0.99, and robots obey both: stop it, or take that computer off the "
         "network")
     robot.says(RobotState.STOP)
@@ -66,7 +66,7 @@ def test_the_address_of_the_latest_box_is_shown():
     driver = BoxDriver(listening=True)
     hears_another(driver)
     hears_another(driver, host="10.0.0.98")
-    assert "heard at 10.0.0.98" in views.box_status(driver.box, driver.now)
+    assert "heard at 10.0.0.98" in document.box_status(driver.box, driver.now)
     assert len(driver.notices(Level.ERROR)) == 2
 
 
@@ -86,10 +86,10 @@ def test_a_box_that_hears_another_one_later_warns_every_referee_and_continues(af
         ("ANOTHER RSBB is transmitting from 10.0.0.99, and robots obey both: stop it, or take that computer off the "
          "network", "")
     ]
-    assert "ANOTHER RSBB" in views.box_status(driver.box, driver.now)
+    assert "ANOTHER RSBB" in document.box_status(driver.box, driver.now)
     robot.completes()
     driver.run(20)
-    assert views.box_status(driver.box, driver.now) == "OK"
+    assert document.box_status(driver.box, driver.now) == "OK"
 
 
 def test_a_box_with_take_over_starts_beside_another_one():
@@ -101,7 +101,7 @@ def test_a_box_with_take_over_starts_beside_another_one():
     assert not driver.box.is_held
     driver.robot().beacon()
     assert driver.off("connect") == []
-    assert "ANOTHER RSBB is transmitting from 10.0.0.99" in views.box_status(driver.box, driver.now)
+    assert "ANOTHER RSBB is transmitting from 10.0.0.99" in document.box_status(driver.box, driver.now)
 
 
 def test_a_host_with_too_many_robots_is_reported_and_another_teams_robot_is_connected():
@@ -135,9 +135,9 @@ def test_a_robot_that_the_box_cannot_reach_is_not_connected():
 
 def test_the_status_says_that_the_box_listens():
     driver = BoxDriver(listening=True)
-    assert views.box_status(driver.box, driver.now) == "Listening for another box before transmitting: 5 s"
+    assert document.box_status(driver.box, driver.now) == "Listening for another box before transmitting: 5 s"
     driver.run(5)
-    assert views.box_status(driver.box, driver.now) == "OK"
+    assert document.box_status(driver.box, driver.now) == "OK"
 
 
 def test_a_box_that_need_not_listen_connects_at_once():
@@ -151,7 +151,7 @@ def test_a_robot_is_reported_when_it_appears():
     driver.taken()
     driver.robot().beacon(5)
     assert driver.notices() == ["Robot r1 of team Alpha is active at 10.0.0.2"]
-    assert views.robots(driver.box, driver.now) == {"r1 of team Alpha": RobotSeen("Alpha", "r1", 0.0)}
+    assert document.robots(driver.box, driver.now) == {"r1 of team Alpha": RobotSeen("Alpha", "r1", 0.0)}
 
 
 def test_two_hosts_with_one_name_are_reported_to_every_referee():
@@ -167,7 +167,7 @@ def test_two_hosts_with_one_name_are_reported_to_every_referee():
             "knows the password. Give the other one another robot_name, or take it off the network. Their clocks "
             "differ: +0.000 s and +5.000 s")
     assert driver.notices(Level.WARNING) == [text]
-    assert text in views.box_status(driver.box, driver.now)
+    assert text in document.box_status(driver.box, driver.now)
     assert driver.off("connect") == []  # the first one's clock is right
     driver.command("connect")
     assert driver.channels == {6667: "10.0.0.2"}
@@ -182,7 +182,7 @@ def test_a_rival_that_sends_beacons_during_the_run_moves_nothing():
         rival.beacon()
     assert driver.channels == {robot.port: robot.host}
     assert driver.run_in().link.times_valid
-    assert "Two robots call themselves r1" in views.box_status(driver.box, driver.now)
+    assert "Two robots call themselves r1" in document.box_status(driver.box, driver.now)
 
 
 def test_a_robot_with_a_new_address_in_its_run_is_not_reported_as_two():
@@ -195,7 +195,7 @@ def test_a_robot_with_a_new_address_in_its_run_is_not_reported_as_two():
     assert driver.channels == {robot.port: "10.0.0.77"}
     driver.command("disconnect")
     robot.beacon()
-    assert views.box_status(driver.box, driver.now) == "OK"
+    assert document.box_status(driver.box, driver.now) == "OK"
     driver.command("connect")
     assert driver.channels == {robot.port + 1: "10.0.0.77"}
 
@@ -213,11 +213,11 @@ def test_a_robot_that_is_restarted_at_another_address_in_its_run_is_not_to_be_ta
     for _ in range(5):
         driver.run(0.9)
         new.beacon()
-        seen.append("Two robots" in views.box_status(driver.box, driver.now))
+        seen.append("Two robots" in document.box_status(driver.box, driver.now))
     new.says()
     assert driver.channels == {new.port: "10.0.0.33"}
     assert (seen[0], any(seen[4:])) == (both_s > 0, False)
-    assert "Two robots" not in views.box_status(driver.box, driver.now)
+    assert "Two robots" not in document.box_status(driver.box, driver.now)
 
 
 def test_a_recording_of_an_earlier_run_is_refused_before_the_robot_says_a_word():
@@ -247,14 +247,14 @@ def test_a_flood_of_robots_is_bounded_and_the_run_continues():
         driver.event(driver.box.on_robot_beacon, f"10.1.{i // 250}.{i % 250}", f"Team {i}", "x", (2**62, -i))
         if i % 100 == 0:
             robot.says()
-    assert len(views.robots(driver.box, driver.now)) == 1 + MAX_STRANGERS
+    assert len(document.robots(driver.box, driver.now)) == 1 + MAX_STRANGERS
     assert sum("announce robots" in text for text in driver.notices(Level.WARNING)) == 1
     late = driver.robot(name="r2", host="10.0.0.3")
     late.beacon()
     assert driver.off("connect", "b") == []
     robot.completes()
     driver.run(60)
-    assert len(views.robots(driver.box, driver.now)) == 0
+    assert len(document.robots(driver.box, driver.now)) == 0
 
 
 @pytest.mark.parametrize("team, name", [("", ""), ("x" * 1000, "r"), ("Alpha", "")])
@@ -265,16 +265,16 @@ def test_names_that_no_robot_has_are_reported_and_not_listed(team, name):
     assert driver.notices() == [
         "Beacons from 10.0.0.5 are ignored: too many robots, or the name is empty or too long"
     ]
-    assert views.robots(driver.box, driver.now) == {}
+    assert document.robots(driver.box, driver.now) == {}
 
 
 def test_complaints_of_the_public_channel_are_shown_for_a_while():
     driver = BoxDriver()
     driver.event(driver.box.on_complaint, "10.0.0.9 sends frames of version 1")
     assert driver.notices(Level.WARNING)[-1] == "10.0.0.9 sends frames of version 1"
-    assert views.box_status(driver.box, driver.now) == "10.0.0.9 sends frames of version 1"
+    assert document.box_status(driver.box, driver.now) == "10.0.0.9 sends frames of version 1"
     driver.run(11)
-    assert views.box_status(driver.box, driver.now) == "OK"
+    assert document.box_status(driver.box, driver.now) == "OK"
 
 
 def test_trouble_of_this_computer_is_reported_once():
@@ -283,7 +283,7 @@ def test_trouble_of_this_computer_is_reported_once():
     for _ in range(3):
         driver.event(driver.box.on_trouble, "the disk is full: free it")
     assert driver.notices(Level.ERROR) == ["the disk is full: free it"]
-    assert views.box_status(driver.box, driver.now) == "the disk is full: free it"
+    assert document.box_status(driver.box, driver.now) == "the disk is full: free it"
     driver.event(driver.box.on_trouble, "another trouble")
     driver.event(driver.box.on_repaired, "the disk is full: free it", "all is written")
     assert driver.notices(Level.INFO)[-1] == "all is written"

@@ -2,7 +2,7 @@
 
 import pytest
 
-from roah_rsbb.core.clock import ClockWatch
+from roah_rsbb.core.watches import ClockWatch
 from roah_rsbb.model.clock import MAX_READINGS, Now, one_moment
 from roah_rsbb.protocol import wire_ns, wire_seconds
 from roah_rsbb.wording import times

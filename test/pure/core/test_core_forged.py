@@ -10,7 +10,7 @@ from helpers.competition import competition
 from helpers.linked_world import FakeLink, World, assert_legal
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.views import views
+from roah_rsbb.core.views import document
 from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import RobotState
 
@@ -62,7 +62,7 @@ def test_it_prevents_no_later_run_either(host):
         robot.says(after=1.0)
     driver.command("disconnect")
     forger.beacon()
-    [seen] = views.robots(driver.box, driver.now).values()
+    [seen] = document.robots(driver.box, driver.now).values()
     assert seen.skew == 0.0, "it used the password just now"
     driver.run(0.2)
     robot.beacon()
@@ -122,13 +122,13 @@ def test_both_addresses_and_the_remedy_are_shown():
     text = (f"Two robots call themselves r1 of team Alpha: {FORGER} and 10.0.0.2. Connect and start use the one that "
             "knows the password. Give the other one another robot_name, or take it off the network. Their clocks "
             "differ: +60.000 s and +0.000 s")
-    assert text in views.box_status(driver.box, driver.now)
+    assert text in document.box_status(driver.box, driver.now)
     _conducts(driver, robot)
     driver.run(20.0)
     robot.says()
     forger.beacon()
     assert (f"Two robots call themselves r1 of team Alpha: 10.0.0.2 (confirmed by its password) and {FORGER}. "
-            in views.box_status(driver.box, driver.now))
+            in document.box_status(driver.box, driver.now))
 
 
 def test_many_forged_addresses_are_counted():
@@ -139,7 +139,7 @@ def test_many_forged_addresses_are_counted():
         if number % 20 == 0:
             robot.beacon()
     robot.beacon()
-    text = views.box_status(driver.box, driver.now)
+    text = document.box_status(driver.box, driver.now)
     assert "Two robots call themselves r1 of team Alpha: 10.1.0.0 and 10.0.0.2 and " in text
     assert " and 6 more. Connect" in text
     _conducts(driver, robot)
@@ -153,11 +153,11 @@ def test_two_clocks_at_one_address_are_reported():
         driver.run(0.5)
         forger.beacon()
         driver.run(0.5)
-    assert "Beacons of r1 of team Alpha from 10.0.0.2 show two clocks" in views.box_status(driver.box, driver.now)
+    assert "Beacons of r1 of team Alpha from 10.0.0.2 show two clocks" in document.box_status(driver.box, driver.now)
     assert sum("show two clocks" in text for text in driver.notices(Level.WARNING)) == 1
     driver.run(20.0)
     robot.beacon(10)
-    assert views.box_status(driver.box, driver.now) == "OK"
+    assert document.box_status(driver.box, driver.now) == "OK"
 
 
 @pytest.mark.parametrize("skews", [[60.0, 60.0, 0.0, 0.0], [0.0, 0.0, 60.0, 60.0], [0.0, -0.9, 0.0, -0.9]])
@@ -167,7 +167,7 @@ def test_a_clock_that_is_set_or_a_network_that_delays_is_not_taken_for_two(skews
     for robot.skew in skews:
         robot.beacon()
         driver.run(1.0)
-    assert views.box_status(driver.box, driver.now) == "OK"
+    assert document.box_status(driver.box, driver.now) == "OK"
 
 
 def test_a_robot_that_knows_the_password_is_connected_rather_than_an_invented_one():

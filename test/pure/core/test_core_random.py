@@ -15,9 +15,9 @@ from helpers.examples import examples
 from helpers.linked_world import FakeLink, World, assert_legal
 from helpers.random_events import ZONES, apply_event, random_competition, random_events
 from roah_rsbb.core import effects
-from roah_rsbb.core.link.timeline import Freshness, Timeline
+from roah_rsbb.core.link.freshness import Freshness, Timeline
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.core.views import views
+from roah_rsbb.core.views import document
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.core.views.public import Publicity, PublicResults
 from roah_rsbb.core.views.schedule import ScheduleView, schedule
@@ -64,10 +64,10 @@ def test_no_order_of_events_breaks_the_box(sequence):
             assert run.message.state is not BoxState.GOAL_TX
             assert len(run.log) <= 300
         assert {r.port for r in driver.box.beacon().robots} == set(driver.channels) == {run.port for run in runs}
-        for view in views.ZoneViews(driver.box).look(driver.now).values():
+        for view in document.ZoneViews(driver.box).look(driver.now).values():
             assert view.state
             assert view.clock.timer(driver.now.mono) >= 0
-        assert views.box_status(driver.box, driver.now)
+        assert document.box_status(driver.box, driver.now)
 
 
 def without_skews(document):
@@ -99,7 +99,7 @@ class _Kept:
         box, now = self._driver.box, self._driver.now
         self._check_document(now)
         assert self._schedule.look(now) == schedule(box, now)
-        coming = views.coming_events(box)
+        coming = document.coming_events(box)
         assert box.revision != self._revision or coming == self._coming
         self._revision, self._coming = box.revision, coming
         runs = [zone.run for zone in box.zones.values() if zone.run is not None]
@@ -146,7 +146,7 @@ def test_what_is_kept_of_a_run_in_progress_is_what_would_be_found_now():
     driver = BoxDriver(competition(tbm=["HWV", event("HWV", run=2, scheduled=UTC0 + 70.0)], other=other))
     kept = _Kept(driver, random.Random(1))
     robot = driver.executing()
-    shown = views.ZoneViews(driver.box)
+    shown = document.ZoneViews(driver.box)
     first = shown.look(driver.now)
     assert all(view is first[name] for name, view in shown.look(driver.now.later(0.1)).items())
     name = RunName("tbm", driver.run_in().identity)

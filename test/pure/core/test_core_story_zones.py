@@ -5,7 +5,7 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.competition import UTC0, competition, event
 from roah_rsbb.core import effects
-from roah_rsbb.core.views import views
+from roah_rsbb.core.views import document
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
@@ -76,9 +76,9 @@ def test_a_robot_stays_active_while_it_is_heard_on_its_private_channel():
     driver = BoxDriver()
     robot = driver.executing()
     robot.lives(100)
-    assert list(views.robots(driver.box, driver.now)) == ["r1 of team Alpha"]
+    assert list(document.robots(driver.box, driver.now)) == ["r1 of team Alpha"]
     driver.run(31)
-    assert views.robots(driver.box, driver.now) == {}
+    assert document.robots(driver.box, driver.now) == {}
 
 
 def _week(zones, teams):

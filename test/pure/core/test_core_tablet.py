@@ -17,7 +17,7 @@ from roah_rsbb.core.tablet import (
     REMEMBER_SILENT_S,
     SILENT_S,
 )
-from roah_rsbb.core.views import views
+from roah_rsbb.core.views import document
 from roah_rsbb.model.messages import NEVER, TabletState
 
 HOST, OTHER = "10.0.0.3", "10.0.0.4"
@@ -118,7 +118,7 @@ def test_a_second_tablet_is_reported_and_does_not_count(box):
     assert box.shown == said(CALL, PLACE, 1.0, 2.0)
     reported = f"Two tablets are on: {HOST} counts, {OTHER} is ignored. Switch off the wrong one"
     assert box.notices(Level.WARNING) == [reported]
-    assert reported in views.box_status(box.box, box.now)
+    assert reported in document.box_status(box.box, box.now)
 
 
 def test_another_tablet_takes_over_from_a_silent_one(box):
@@ -143,7 +143,7 @@ def test_absurd_values_are_ignored_whole_and_reported_once(box, absurd, reported
     assert box.box.tablet.heard == heard
     (notice,) = box.notices(Level.WARNING)
     assert reported in notice and HOST in notice
-    assert notice in views.box_status(box.box, box.now)
+    assert notice in document.box_status(box.box, box.now)
 
 
 def test_the_last_time_that_ros_can_hold_is_accepted(box):
@@ -174,7 +174,7 @@ def test_a_silent_tablet_is_reported_until_it_is_heard(box):
     assert silent(box) == []
     box.run(1.0)
     assert silent(box) == ["The tablet has been silent for 6 s: check that it is on, connected, and showing its page"]
-    assert "The tablet has been silent" in views.box_status(box.box, box.now)
+    assert "The tablet has been silent" in document.box_status(box.box, box.now)
     box.hear(said())
     assert silent(box) == []
 

@@ -6,9 +6,9 @@ from helpers.box_driver import BoxDriver
 from helpers.commands import COMMANDS
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
+from roah_rsbb.core.continuing import Saved
 from roah_rsbb.core.copies import STANDBY, CopyReport
-from roah_rsbb.core.restart.restart import Saved
-from roah_rsbb.core.views import views
+from roah_rsbb.core.views import document
 from roah_rsbb.model.actions import ENTRIES
 from roah_rsbb.model.reason import Refused, RunName
 
@@ -34,7 +34,7 @@ def test_every_panel_shows_it(driver):
     (warning,) = driver.box.warnings(driver.now)
     assert warning.startswith(f"This box is superseded: the box at {HOST}")
     assert driver.box.superseded_by == HOST
-    assert views.box_status(driver.box, driver.now) == warning
+    assert document.box_status(driver.box, driver.now) == warning
     assert all(driver.off(command) == [warning] for command in COMMANDS)
 
 
@@ -42,7 +42,7 @@ def test_panels_offer_no_command_any_more():
     """Also of a run in progress, whose view is kept while nothing happens."""
     driver = BoxDriver()
     driver.executing()
-    shown = views.ZoneViews(driver.box)
+    shown = document.ZoneViews(driver.box)
     assert any(view.is_on("stop") for view in shown.look(driver.now).values())
     driver.event(lambda now: driver.box.supersede(2, 17, HOST))
     assert all(view.off(command) for view in shown.look(driver.now).values() for command in COMMANDS)

@@ -9,7 +9,7 @@ import pytest
 from fuzzing.core import CODES, HOSTS, Play
 from helpers.examples import ALL
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.views import views
+from roah_rsbb.core.views import document
 from roah_rsbb.model.messages import RobotReport, TabletState
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, ScoreValue
 from roah_rsbb.model.reason import Refused
@@ -47,8 +47,8 @@ def _round(driver, number):
         with contextlib.suppress(Refused):
             driver.event(box.act, Target("visitor"), ("connect", "disconnect")[i % 2], "",
                              {"running": True} if i % 2 else {})
-        views.ZoneViews(box).look(driver.now)
-        views.box_status(box, driver.now)
+        document.ZoneViews(box).look(driver.now)
+        document.box_status(box, driver.now)
 
 
 def _progress(driver, name):

@@ -8,7 +8,7 @@ from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import How
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.core.views import views
+from roah_rsbb.core.views import document
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.core.views.public import Publicity, PublicResults
 from roah_rsbb.model.clock import Now
@@ -176,7 +176,7 @@ class BoxDriver:
 
     def view(self, zone="tbm"):
         """The zone as the referee's panels show it."""
-        return SeenZone(views.ZoneViews(self.box).look(self.now)[zone], self.now)
+        return SeenZone(document.ZoneViews(self.box).look(self.now)[zone], self.now)
 
     def off(self, command, zone="tbm"):
         """Every reason why a button is off."""

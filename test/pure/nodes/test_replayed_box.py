@@ -11,7 +11,7 @@ from helpers.journaled import NO_LISTENING, JournaledDriver
 from helpers.jury import Jury, judged
 from helpers.replayed import LOOK_S, ReplayedCompetition, SetClock, clock_at, untimed
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.views import views
+from roah_rsbb.core.views import document
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.clock import Now
@@ -85,15 +85,15 @@ def test_the_run_begins_connected_and_ends_left(played):
     while not box.is_over:
         box.show(box.now.utc + 1e6)
     assert box.box.zones["tbm"].run is None
-    assert "Disconnected" not in " ".join(views.ZoneViews(box.box).look(box.now)["tbm"].state)
+    assert "Disconnected" not in " ".join(document.ZoneViews(box.box).look(box.now)["tbm"].state)
 
 
 def test_no_phase_is_skipped_however_fast(played):
     box, phases = replayed(played), []
     while not box.is_over:
-        phases.append(views.ZoneViews(box.box).look(box.now)["tbm"].phase)
+        phases.append(document.ZoneViews(box.box).look(box.now)["tbm"].phase)
         box.show(box.now.utc + 1e6)
-    phases.append(views.ZoneViews(box.box).look(box.now)["tbm"].phase)
+    phases.append(document.ZoneViews(box.box).look(box.now)["tbm"].phase)
     assert [phase for phase, _ in itertools.groupby(phases)] == ["connected", "running", "ended", "idle"]
 
 
@@ -119,13 +119,13 @@ def test_all_commands_are_refused_with_the_reason(played):
     box = replayed(played)
     reason = ("This is a replay of HCFGAC, team Alpha, round 1, run 1: nothing here is live, and commands have no "
               "effect")
-    for view in views.ZoneViews(box.box).look(box.now).values():
+    for view in document.ZoneViews(box.box).look(box.now).values():
         assert [view.off(command) for command in COMMANDS] == [(reason,)] * len(COMMANDS)
     for command in COMMANDS:
         with pytest.raises(Refused) as refused:
             box.box.actions.do(box.now, Target("tbm"), command)
         assert refused.value.reasons == [reason]
-    assert views.box_status(box.box, Now(0.0, 0.0)) == reason
+    assert document.box_status(box.box, Now(0.0, 0.0)) == reason
     assert driver.troubles is not None
 
 

@@ -6,7 +6,7 @@ import types
 import pytest
 
 from helpers.referee_box import box, zone
-from roah_rsbb.core.actions.events import UNSIGNED
+from roah_rsbb.core.actions.runs import UNSIGNED
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.results import EventSeen
 from roah_rsbb.referee import commands, program

@@ -8,7 +8,7 @@ from helpers.commands import actions_shown
 from helpers.forms import ODD, ODD_ASKED, shown_form
 from helpers.public_box import PublicBox
 from helpers.shown_box import MONO, NOW, ShownBox, zone_of
-from roah_rsbb.core.actions.connecting import SIGNED_OFF
+from roah_rsbb.core.actions.runs import SIGNED_OFF
 from roah_rsbb.model.results import Judging, RunLine
 from roah_rsbb.model.zone import Count, RunClock
 from roah_rsbb.web import zone_documents

@@ -3,9 +3,8 @@
 import abc
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.candidates import Candidates
-from roah_rsbb.core.connections import Connections
-from roah_rsbb.core.score_desk import ScoreDesk
+from roah_rsbb.core.connections import Candidates, Connections
+from roah_rsbb.core.desks import ScoreDesk
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.clock import Now

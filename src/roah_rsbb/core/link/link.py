@@ -8,10 +8,9 @@ import enum
 from dataclasses import dataclass, field
 from typing import Callable, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.link.heard import RobotPast
+from roah_rsbb.core.link.freshness import Freshness, RobotPast, Timeline, TimelineState
 from roah_rsbb.core.link.record import LinkRecorder
 from roah_rsbb.core.link.skew import THE_ROBOT, SkewEstimate, SkewSample, skew_off, within
-from roah_rsbb.core.link.timeline import Freshness, Timeline, TimelineState
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import LinkSample, RobotReport
 from roah_rsbb.model.reason import say

@@ -13,8 +13,7 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.link.link import SILENT_S
-from roah_rsbb.core.runs.clock import CountdownState
-from roah_rsbb.core.runs.phases import RunEvent
+from roah_rsbb.core.runs.machine import RunEvent
 from roah_rsbb.core.runs.run import (
     NO_REVISION,
     AllRobotsState,
@@ -26,7 +25,7 @@ from roah_rsbb.core.runs.run import (
     UnrecordedStop,
     ZoneRun,
 )
-from roah_rsbb.core.runs.times import RunTimes
+from roah_rsbb.core.runs.times import CountdownState, RunTimes
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.model.reason import joined, say

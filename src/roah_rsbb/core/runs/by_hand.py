@@ -7,9 +7,9 @@ log. The journal has its record.
 from typing import List, Optional, Tuple
 
 from roah_rsbb.core import effects
-from roah_rsbb.core.runs.clock import CountdownState
-from roah_rsbb.core.runs.phases import RunEvent
+from roah_rsbb.core.runs.machine import RunEvent
 from roah_rsbb.core.runs.run import Run, RunContext, UnrecordedStop, ZoneRun, ZoneRunState, identity_of
+from roah_rsbb.core.runs.times import CountdownState
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import NOBODY, By, EndReason, Phase

@@ -10,10 +10,19 @@ from typing import Any, List, Mapping, Optional, Tuple
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.modules.presence import Driver, Modules
-from roah_rsbb.core.modules.texts import goal_json, result_text, scores_json
+from roah_rsbb.core.modules import (
+    GOAL_OVERHEAD,
+    Driver,
+    GoalState,
+    Modules,
+    NumberedSwitches,
+    RunningGoal,
+    SwitchesState,
+    goal_json,
+    result_text,
+    scores_json,
+)
 from roah_rsbb.core.runs.machine import Reaction, react
-from roah_rsbb.core.runs.requests import GOAL_OVERHEAD, GoalState, NumberedSwitches, RunningGoal, SwitchesState
 from roah_rsbb.core.runs.run import CONTINUED, EXECUTING, FELL_BACK, Assignment, Run, RunContext, RunState
 from roah_rsbb.model import run_log
 from roah_rsbb.model.clock import Now

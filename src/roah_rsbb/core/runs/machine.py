@@ -1,17 +1,22 @@
-"""The box's state machine: how a message of the robot changes the state that the box sends.
+"""The state machines of a run: what the box sends to its robot, and the phases that referees see.
 
-Theory of operation. The box sends a request (STOP, PREPARE, GOAL_TX, WAITING_RESULT), and the robot reports what it is
-doing. Both repeat themselves until the other has understood. Each incoming message therefore makes a pair (state that
-the box sends, state that the robot reports), and `TABLE` has the reaction to each pair. Pass fresh messages only: a
-stale one must never change the state (see `roah_rsbb.core.link.timeline`). The table does not contain the referee's
-start and stop, nor the timeouts. These set PREPARE and STOP from outside.
+Theory of operation of `REACTIONS`: how a message of the robot changes the state that the box sends. The box sends a
+request (STOP, PREPARE, GOAL_TX, WAITING_RESULT), and the robot reports what it is doing. Both repeat themselves until
+the other has understood. Each incoming message therefore makes a pair (state that the box sends, state that the robot
+reports), and the table has the reaction to each pair. Pass fresh messages only: a stale one must never change the state
+(see `roah_rsbb.core.link.freshness`). The table does not contain the referee's start and stop, nor the timeouts. These
+set PREPARE and STOP from outside. docs/protocol.md, "Box's next state" shows it with rows and columns swapped.
 
-docs/protocol.md, "Box's next state" shows the table with rows and columns swapped.
+Theory of operation of `PHASES`: a run begins in phase *connected*, when its channel or its score sheet was opened. The
+table has the phase that follows each pair of phase and event. An event without an entry is not possible: `following`
+raises, and nothing changes. Why a referee cannot do something now, also besides the phase, is in `core/actions`. A run
+that is left while it runs ends first. docs/protocol.md, "Phases of a run", shows the table.
 """
 
 import enum
 from typing import Dict, Tuple
 
+from roah_rsbb.model.records import Phase
 from roah_rsbb.protocol import BoxState, RobotState
 
 
@@ -28,7 +33,7 @@ class Reaction(enum.Enum):
 
 _BOX, _ROBOT = BoxState, RobotState
 
-TABLE: Dict[Tuple[BoxState, RobotState], Reaction] = {
+REACTIONS: Dict[Tuple[BoxState, RobotState], Reaction] = {
     (_BOX.STOP, _ROBOT.STOP): Reaction.KEEP,
     (_BOX.STOP, _ROBOT.PREPARING): Reaction.KEEP,
     (_BOX.STOP, _ROBOT.WAITING_GOAL): Reaction.KEEP,
@@ -56,7 +61,44 @@ TABLE: Dict[Tuple[BoxState, RobotState], Reaction] = {
 
 def react(box: BoxState, robot: RobotState, explicit_goal: bool) -> Reaction:
     """Return the reaction to a fresh message of the robot. `explicit_goal`: this goal is sent to the robot."""
-    found = TABLE[(box, robot)]
+    found = REACTIONS[(box, robot)]
     if found is Reaction.RETRY_WITH_GOAL:
         return Reaction.RETRY if explicit_goal else Reaction.KEEP
     return found
+
+
+class RunEvent(enum.Enum):
+    """What changes the phase of a run."""
+
+    START = "start"  # also again, after an end
+    END = "end"  # it has an `EndReason`: the referee, the robots, a time limit, saved data, a module
+    GIVE_UP = "no-show or withdrawal"
+    LEAVE_OUT = "left out"  # the other robots of the run start without this one
+
+
+class WrongPhase(RuntimeError):
+    """An event is not possible in the phase of the run."""
+
+
+PHASES: Dict[Tuple[Phase, RunEvent], Phase] = {
+    (Phase.CONNECTED, RunEvent.START): Phase.RUNNING,
+    (Phase.CONNECTED, RunEvent.GIVE_UP): Phase.ENDED,
+    (Phase.CONNECTED, RunEvent.LEAVE_OUT): Phase.CONNECTED,
+    (Phase.RUNNING, RunEvent.END): Phase.ENDED,
+    (Phase.ENDED, RunEvent.START): Phase.RUNNING,
+    # A team can still withdraw after a stop.
+    (Phase.ENDED, RunEvent.GIVE_UP): Phase.ENDED,
+    (Phase.ENDED, RunEvent.LEAVE_OUT): Phase.CONNECTED,
+}
+
+
+def is_possible(phase: Phase, event: RunEvent) -> bool:
+    """Whether an event has an entry in a phase."""
+    return (phase, event) in PHASES
+
+
+def following(phase: Phase, event: RunEvent) -> Phase:
+    """Return the phase after an event. Raises `WrongPhase`."""
+    if not is_possible(phase, event):
+        raise WrongPhase(f"'{event.value}' in phase {phase.value}")
+    return PHASES[phase, event]

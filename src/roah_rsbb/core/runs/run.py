@@ -15,16 +15,23 @@ from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Effect, How, Level
-from roah_rsbb.core.link.heard import Heard
+from roah_rsbb.core.link.freshness import Heard
 from roah_rsbb.core.link.link import LinkState, RobotLink, TakenReport
+from roah_rsbb.core.modules import RunningGoal
 from roah_rsbb.core.robots import RobotId
-from roah_rsbb.core.runs.clock import CountdownState, RunCountdown, SavingWatch
-from roah_rsbb.core.runs.device_commands import DeviceCommands, DeviceCommandsState
-from roah_rsbb.core.runs.machine import Reaction, react
-from roah_rsbb.core.runs.online_data import MAX_SAID, Said, Strings, StringsBudget, receive, said, with_line
-from roah_rsbb.core.runs.phases import RunEvent, following
-from roah_rsbb.core.runs.requests import RunningGoal
-from roah_rsbb.core.runs.times import BY_REFEREE, RunTimes, TimesState
+from roah_rsbb.core.runs.machine import Reaction, RunEvent, following, react
+from roah_rsbb.core.runs.reported import (
+    MAX_SAID,
+    DeviceCommands,
+    DeviceCommandsState,
+    Said,
+    Strings,
+    StringsBudget,
+    receive,
+    said,
+    with_line,
+)
+from roah_rsbb.core.runs.times import BY_REFEREE, CountdownState, RunCountdown, RunTimes, SavingWatch, TimesState
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model import run_log
 from roah_rsbb.model.clock import Now

@@ -9,7 +9,7 @@ from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.runs.functionality import FunctionalityRun
-from roah_rsbb.core.runs.online_data import MAX_SAID
+from roah_rsbb.core.runs.reported import MAX_SAID
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.clock import Now

@@ -4,7 +4,7 @@ import json
 import zlib
 from typing import Iterable, List, Optional, Sequence, Tuple
 
-from roah_rsbb.core.judge_desk import RunJudging
+from roah_rsbb.core.desks import RunJudging
 from roah_rsbb.model.reason import joined
 from roah_rsbb.model.records import ItemRecord, JudgeSheet, Objection, RunRecord, ScoreEntry, grouped
 from roah_rsbb.model.results import (

@@ -10,7 +10,7 @@ from typing import Callable, Dict, Optional
 import rospy
 
 from roah_rsbb.core.effects import SetDevice
-from roah_rsbb.core.runs.device_commands import FIELDS
+from roah_rsbb.core.runs.reported import FIELDS
 from roah_rsbb.model.messages import DevicesState
 from roah_rsbb.msg import DevicesState as DevicesStateMsg
 from roah_rsbb.protocol import SWITCHES, WireTime

@@ -5,7 +5,7 @@ from typing import Any, Callable, List, Optional
 import rospy
 
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.views import views
+from roah_rsbb.core.views import document
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.msg import CoreToGui, CoreToPublic, ScheduleInfo
@@ -38,7 +38,7 @@ class ToPublic:
                     line.event.team, line.event.benchmark.desc, line.event.round, line.event.run,
                     _local(line.event.scheduled), line.running,
                 )
-                for line in views.coming_events(self._box)
+                for line in document.coming_events(self._box)
             ]
         return CoreToPublic(clock=f"{self._prefix}{_local(now.utc)}", schedule=self._lines)
 

@@ -7,7 +7,7 @@ from std_msgs.msg import Empty
 
 from roah_rsbb.box.running import RunningBox
 from roah_rsbb.core.effects import SetDevice
-from roah_rsbb.core.modules.presence import MAX_NODES
+from roah_rsbb.core.modules import MAX_NODES
 from roah_rsbb.msg import DevicesState, DevicesStatus, ModuleRuns, ModulesState
 from roah_rsbb.nodes.core.device_calls import DeviceCalls, devices_of
 from roah_rsbb.nodes.core.original_topics import publish

@@ -2,7 +2,7 @@
 
 from typing import List, Optional
 
-from roah_rsbb.core.capacity import PORTS
+from roah_rsbb.core.connections import PORTS
 
 TABLE = "roah_rsbb"
 TABLET_PORT = 8080

@@ -6,7 +6,7 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import competition
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions import table
-from roah_rsbb.core.actions.connecting import SIGNED_OFF
+from roah_rsbb.core.actions.runs import SIGNED_OFF
 from roah_rsbb.core.actions.table import KINDS, Target, confirmed_by
 from roah_rsbb.model.actions import ACTIONS, ENTRIES, EVERY
 from roah_rsbb.model.reason import Refused, RunName, decoded, encoded

@@ -4,7 +4,7 @@ import random
 
 import pytest
 
-from roah_rsbb.core.link.timeline import QUIET_S, Freshness, Timeline
+from roah_rsbb.core.link.freshness import QUIET_S, Freshness, Timeline
 
 S = 1_000_000_000
 T0 = 1_800_000_000 * S

@@ -9,7 +9,7 @@ from helpers.box_driver import BoxDriver, beacon_bytes
 from helpers.competition import UTC0, competition, event
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.restart.restart import Saved
+from roah_rsbb.core.continuing import Saved
 from roah_rsbb.core.views.schedule import EventState, schedule
 from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.records import Phase

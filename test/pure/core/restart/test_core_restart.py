@@ -18,7 +18,7 @@ from helpers.forms import form
 from helpers.module_player import FakeModules
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.restart.restart import BoxSaved, Saved
+from roah_rsbb.core.continuing import BoxSaved, Saved
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.zones import ZoneState
 from roah_rsbb.model.clock import Now
@@ -47,7 +47,7 @@ LOST = {
     "RobotLink": {"_listens_since", "_old", "_old_mono", "_looks", "_looked_mono", "_reported", "_last_beacon",
                   "record", "_skew"},
     "Timeline": {"_candidate", "_rising"},
-    # The saved times are later: see `core/link/heard.py`.
+    # The saved times are later: see `core/link/freshness.py`.
     "RobotPast": {"near", "ahead", "_latest"},
     "SavingWatch": {"_since"},
     "FunctionalityRun": {"_node", "_progress"},

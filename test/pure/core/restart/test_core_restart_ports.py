@@ -7,7 +7,7 @@ import pytest
 from helpers.all_robots import robots_of
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event, run_record
-from roah_rsbb.core.restart.restart import BoxSaved, Saved
+from roah_rsbb.core.continuing import BoxSaved, Saved
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.zones import ZoneState
 from roah_rsbb.model.saved import freeze, thaw

@@ -12,8 +12,8 @@ from helpers.box_driver import MONO0, BoxDriver
 from helpers.competition import competition, event
 from helpers.module_player import FakeModules
 from roah_rsbb.core import effects
+from roah_rsbb.core.continuing import Saved
 from roah_rsbb.core.copies import REPLACED_S, STANDBY, CopyReport
-from roah_rsbb.core.restart.restart import Saved
 from roah_rsbb.core.runs.run import SETTLED_S, UnrecordedStop
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.modules import OutcomeKind, RequestKind

@@ -16,7 +16,7 @@ from helpers.competition import event
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.views import views
+from roah_rsbb.core.views import document
 from roah_rsbb.model import run_log
 from roah_rsbb.model.reason import Refused
 
@@ -89,9 +89,9 @@ def test_a_step_of_the_boxs_clock_makes_all_skews_be_measured_again():
 def test_robots_in_it_stay_active():
     driver, robots = running()
     live_all(driver, robots, 40)
-    assert [seen.robot for seen in views.robots(driver.box, driver.now).values()] == ["r1", "r2", "r3"]
+    assert [seen.robot for seen in document.robots(driver.box, driver.now).values()] == ["r1", "r2", "r3"]
 
 
 def test_it_is_in_the_publics_schedule():
     driver, _ = connected()
-    assert [line.running for line in views.coming_events(driver.box)] == [True, False]
+    assert [line.running for line in document.coming_events(driver.box)] == [True, False]

@@ -8,8 +8,8 @@ from helpers.box_driver import BoxDriver, public_document
 from helpers.competition import DOOR, UTC0, competition, event
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
+from roah_rsbb.core.views.document import coming_events
 from roah_rsbb.core.views.schedule import EventState, schedule
-from roah_rsbb.core.views.views import coming_events
 from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.records import EndReason
 from roah_rsbb.protocol import RobotState

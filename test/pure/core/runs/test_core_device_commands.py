@@ -3,7 +3,7 @@
 import pytest
 
 from helpers.competition import benchmark
-from roah_rsbb.core.runs.device_commands import DeviceCommands, Taken
+from roah_rsbb.core.runs.reported import DeviceCommands, Taken
 from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.registry import PROFILES

@@ -7,7 +7,7 @@ from helpers.competition import competition, event
 from helpers.module_player import FakeModules, does_goal, started
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.modules.presence import GONE_S, MAX_NODES, Modules
+from roah_rsbb.core.modules import GONE_S, MAX_NODES, Modules
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, OutcomeKind, RequestKind, ScoreValue
 from roah_rsbb.model.records import EndReason, Phase

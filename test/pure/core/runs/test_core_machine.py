@@ -6,7 +6,7 @@ import pytest
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition
-from roah_rsbb.core.runs.machine import TABLE, Reaction, react
+from roah_rsbb.core.runs.machine import REACTIONS, Reaction, react
 from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
 
@@ -51,8 +51,8 @@ def test_every_entry(box, robot, explicit_goal, following):
 
 
 def test_the_table_has_exactly_these_entries():
-    assert set(TABLE) == set(itertools.product(BoxState, RobotState))
-    assert len(ENTRIES) == 2 * len(TABLE)
+    assert set(REACTIONS) == set(itertools.product(BoxState, RobotState))
+    assert len(ENTRIES) == 2 * len(REACTIONS)
 
 
 # The same entries in a whole run, where no goal is explicit: so GOAL_TX does not occur.

@@ -2,7 +2,7 @@
 
 import pytest
 
-from roah_rsbb.core.runs.online_data import receive, with_line
+from roah_rsbb.core.runs.reported import receive, with_line
 
 
 def _received(*messages):

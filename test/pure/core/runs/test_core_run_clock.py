@@ -2,7 +2,7 @@
 
 import pytest
 
-from roah_rsbb.core.runs.clock import RunCountdown, SavingWatch
+from roah_rsbb.core.runs.times import RunCountdown, SavingWatch
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import RobotReport

@@ -11,7 +11,7 @@ from helpers.all_robots import all_robots_box, connect_all, robots_of
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.runs.phases import TABLE, RunEvent, WrongPhase, following, is_possible
+from roah_rsbb.core.runs.machine import PHASES, RunEvent, WrongPhase, following, is_possible
 from roah_rsbb.model.records import NOBODY, EndReason, Phase
 
 ROOT = pathlib.Path(__file__).parents[4]
@@ -26,7 +26,7 @@ def test_the_table_is_that_of_the_page():
     assert header[1:] == [phase.value for phase in Phase]
     assert [row[0] for row in rows] == [event.value for event in RunEvent]
     assert {(Phase(phase), RunEvent(row[0])): Phase(cell)
-            for row in rows for phase, cell in zip(header[1:], row[1:]) if cell} == TABLE
+            for row in rows for phase, cell in zip(header[1:], row[1:]) if cell} == PHASES
 
 
 def test_only_one_place_changes_the_phase():

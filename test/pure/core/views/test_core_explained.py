@@ -9,7 +9,7 @@ from helpers.box_driver import BoxDriver, public_document
 from helpers.competition import competition, event
 from helpers.module_player import does_goal, started
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.core.runs.online_data import MAX_SAID
+from roah_rsbb.core.runs.reported import MAX_SAID
 from roah_rsbb.core.views.public import PublicResults
 from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.protocol import RobotState

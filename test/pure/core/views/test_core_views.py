@@ -5,7 +5,7 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.commands import COMMANDS
 from helpers.competition import UTC0, competition, event
-from roah_rsbb.core.views import views
+from roah_rsbb.core.views import document
 from roah_rsbb.model.document import RobotSeen
 from roah_rsbb.model.zone import LATELY_S, RunClock
 from roah_rsbb.protocol import RobotState
@@ -88,20 +88,20 @@ def test_active_robots_with_their_skew():
     driver = BoxDriver()
     driver.robot("Beta", "b", skew=-0.25).beacon()
     driver.robot("Alpha", "a", skew=0.5).beacon()
-    seen = views.robots(driver.box, driver.now)
+    seen = document.robots(driver.box, driver.now)
     assert list(seen.values()) == [RobotSeen("Alpha", "a", 0.5), RobotSeen("Beta", "b", -0.25)]
     heard = driver.now
     driver.run(LATELY_S)
-    again = views.robots(driver.box, driver.now, seen)
+    again = document.robots(driver.box, driver.now, seen)
     assert all(again[name] is robot for name, robot in seen.items())
     driver.run(0.1)
-    assert {robot.silent_since for robot in views.robots(driver.box, driver.now, seen).values()} == {heard.mono}
+    assert {robot.silent_since for robot in document.robots(driver.box, driver.now, seen).values()} == {heard.mono}
 
 
 def test_a_skew_between_two_steps_stays_at_the_one_before():
     shown, steps = None, []
     for seconds in (0.0, 0.006, 0.004, 0.009, 0.0101, 0.006, 0.0001, -0.001, -0.02):
-        shown = views.stepped(seconds, shown)
+        shown = document.stepped(seconds, shown)
         steps.append(shown)
     assert steps == [0.0, 0.0, 0.0, 0.0, 0.01, 0.01, 0.01, 0.0, -0.02]
 
@@ -114,7 +114,7 @@ def test_the_schedule_shows_what_runs_and_what_comes_by_time():
     driver.connected("a")
 
     def shown():
-        return [(line.event.run, line.running) for line in views.coming_events(driver.box)]
+        return [(line.event.run, line.running) for line in document.coming_events(driver.box)]
 
     assert shown() == [(1, True), (2, False), (3, False)]
     driver.command("disconnect", "a")

@@ -1,1 +1,0 @@
-"""The core's side of benchmarking modules: messages, presence, requests."""

@@ -1,1 +1,0 @@
-"""Saving the core's state, and continuing from it after a restart."""
