@@ -19,7 +19,7 @@ from roah_rsbb.model.document import Document
 from roah_rsbb.model.fields import is_encodable
 from roah_rsbb.model.reason import Refused, RunName, checked_who, encode, say
 from roah_rsbb.model.results import RunSheet
-from roah_rsbb.wording.whole_box import ending
+from roah_rsbb.wording import whole_box
 
 # The answer if a result counts, but is not on the disk yet.
 NOT_SAVED = say("not saved: {why}. It counts, and is saved as soon as the disk can be written: do not enter it again. "
@@ -135,9 +135,9 @@ def exit_call(document: Callable[[], Document], end: Callable[[], Any]) -> Call:
     def carried_out(found: Mapping[str, Any], _caller: Caller) -> Any:
         box = document()
         # Those of a superseded box continue on the one that took over.
-        runs = "" if box.box.superseded_by else ending.running(box.zones.values())
+        runs = "" if box.box.superseded_by else whole_box.runs_in_progress(box.zones.values())
         if runs and found.get("anyway") is not True:
-            raise Refused([ending.IN_PROGRESS(runs=runs)])
+            raise Refused([whole_box.IN_PROGRESS(runs=runs)])
         _log.info("The box ends, because %s asked for it", checked_who(who_of(found)) or "a client")
         return end()
 

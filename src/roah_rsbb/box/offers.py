@@ -11,7 +11,7 @@ from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Protocol,
 from roah_rsbb.document.calls import DEVICES, SET_DEVICE, WEB_CALLS, Answered, Caller
 from roah_rsbb.model.reason import encoded, say
 from roah_rsbb.wording.device import NO_WEB
-from roah_rsbb.wording.whole_box.devices import NO_DEVICES
+from roah_rsbb.wording.whole_box import NO_DEVICES
 
 MAX_OFFERS, MAX_CALLS, MAX_NAME = 16, 16, 40  # clients that offer; calls of each; characters of a name
 MAX_ASKED = 64  # calls that wait for their answer

@@ -15,7 +15,7 @@ from roah_rsbb.ground.installed import shipped_file
 from roah_rsbb.ground.params import BadParams, Params
 from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.rulebook.launch_file import LaunchArgument, arguments
-from roah_rsbb.wording.suggestions import did_you_mean
+from roah_rsbb.wording.texts import did_you_mean
 
 LAUNCH = "competition.launch"
 _OF_ALL = "launch/roah_rsbb.launch"

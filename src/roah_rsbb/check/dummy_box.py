@@ -44,7 +44,7 @@ from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Benchmark, Config, Schedule
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind, GoalForm
-from roah_rsbb.wording.module_scores import readable
+from roah_rsbb.wording.sheets import score_line
 from roah_rsbb.wording.texts import escaped
 
 PROGRAM = called("dummy_box")
@@ -219,7 +219,7 @@ class DummyBox(NetworkDriver):
 
 
 def _score_line(score: ScoreValue) -> str:
-    return ": ".join(part for part in (score.group, *readable(score)) if part)
+    return ": ".join(part for part in (score.group, *score_line(score)) if part)
 
 
 # -- the program ------------------------------------------------------------------------------------

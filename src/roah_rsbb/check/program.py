@@ -22,7 +22,7 @@ from roah_rsbb.ground import linux
 from roah_rsbb.ground.arguments import Parser, add_password, called, number, public_port, read_by
 from roah_rsbb.ground.installed import pages_folder, warn_if_replaced
 from roah_rsbb.rulebook.registry import PROFILES
-from roah_rsbb.wording.suggestions import did_you_mean
+from roah_rsbb.wording.texts import did_you_mean
 
 PROGRAM = called("check_robot")
 # Another box sends a beacon each second.

@@ -35,7 +35,7 @@ from roah_rsbb.protocol import WireTime
 from roah_rsbb.rulebook.registry import TABLET, BenchmarkKind
 from roah_rsbb.scoring.book import FinishedRuns
 from roah_rsbb.wording import times
-from roah_rsbb.wording.suggestions import did_you_mean
+from roah_rsbb.wording.texts import did_you_mean
 
 # More failures than robots to connect mean that no port can be opened. This is how many more.
 MAX_PORTS_TRIED = 20

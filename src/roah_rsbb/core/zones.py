@@ -13,7 +13,7 @@ from roah_rsbb.model.records import RAN_TO_THE_END, EndReason, RunRecord
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.event_ids import EventKey, key_of, known_by
 from roah_rsbb.scoring.counting import is_attempt
-from roah_rsbb.wording.suggestions import did_you_mean
+from roah_rsbb.wording.texts import did_you_mean
 
 # A scheduled time that was sent and converted may differ by less than this.
 SAME_TIME_S = 0.001

@@ -7,7 +7,7 @@ from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.referee.view import BOLD, YELLOW, Style, item_lines
 from roah_rsbb.referee.words import BadWord
 from roah_rsbb.wording import sheets, times
-from roah_rsbb.wording.counting import with_counting
+from roah_rsbb.wording.sheets import with_counting
 from roah_rsbb.wording.texts import escaped
 
 _IN = "    "

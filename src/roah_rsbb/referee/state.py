@@ -16,7 +16,7 @@ from roah_rsbb.model.results import EventSeen, RunLine, RunSheet
 from roah_rsbb.model.zone import Event, SheetItem, ZoneSeen
 from roah_rsbb.referee.words import command_of, to_confirm
 from roah_rsbb.wording import sheets
-from roah_rsbb.wording.clock import clock_of, lines
+from roah_rsbb.wording.times import clock_lines, clock_of
 
 Json = Dict[str, Any]
 
@@ -178,7 +178,7 @@ def scheduled_json(event: EventSeen) -> Json:
 def _times_json(zone: ZoneSeen, mono: float) -> Json:
     clock, shown = zone.clock, clock_of(zone.clock, zone.phase, mono)
     return {
-        "text": lines(shown._replace(pause="")), "pause": shown.pause, "limit_s": clock.limit,
+        "text": clock_lines(shown._replace(pause="")), "pause": shown.pause, "limit_s": clock.limit,
         "elapsed_s": clock.spent(mono), "counting": clock.elapsed.counting, "goal": clock.goal,
         "goal_limit_s": clock.goal_limit, "goal_elapsed_s": clock.goal_spent(mono),
         "goal_counting": clock.goal_elapsed.counting, "after_stop_s": clock.after_stop(mono),

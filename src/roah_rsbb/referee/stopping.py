@@ -19,7 +19,7 @@ from roah_rsbb.referee.at_once import EarlyStop, is_all
 from roah_rsbb.referee.exits import Exit
 from roah_rsbb.referee.words import STOPS, BadWord, pick_zone, stop_wanted
 from roah_rsbb.wording.stop import DONE, LOST, NOT_DELIVERED_S, Way, way, way_text
-from roah_rsbb.wording.suggestions import nearest
+from roah_rsbb.wording.texts import nearest
 
 # How often the way is looked at while nothing happens.
 STEP_S = 1.0

@@ -17,10 +17,9 @@ from roah_rsbb.model.zone import CONNECTED, ENDED, RUNNING, Event, RobotInRun, S
 from roah_rsbb.referee.changes import Change
 from roah_rsbb.referee.state import asked_in, lines_of, off_in, silence_s, zones_of
 from roah_rsbb.referee.words import form_words
-from roah_rsbb.wording import module_scores, schedule, sheets, times
-from roah_rsbb.wording.clock import clock_of
-from roah_rsbb.wording.clock import lines as clock_lines
+from roah_rsbb.wording import schedule, sheets, times
 from roah_rsbb.wording.texts import escaped
+from roah_rsbb.wording.times import clock_lines, clock_of
 
 # SGR codes (ECMA-48).
 BOLD, RED, GREEN, YELLOW, CYAN = "1", "1;31", "1;32", "1;33", "1;36"
@@ -172,7 +171,7 @@ def item_lines(items: Sequence[SheetItem], points: Optional[SheetPoints], style:
 
 def _module_sheet(zone: ZoneSeen, style: Style) -> List[str]:
     lines = ["Score of the benchmarking module"] if zone.module_scores else []
-    for title, group in module_scores.by_group(zone.module_scores):
+    for title, group in sheets.scores_by_group(zone.module_scores):
         lines.append(f"{_IN}{escaped(title)}")
         width = min(max(len(escaped(line.value)) for line in group), _WIDEST)
         lines += [f"{_IN}{_IN}{style(BOLD, escaped(line.value).rjust(width))}  {escaped(line.name)}" for line in group]
@@ -296,7 +295,7 @@ def _module_score(facts: Dict, style: Style) -> str:
     if facts["value"] is None or not (facts["old"] is None or isinstance(facts["old"], (bool, str))):
         return ""
     score = ScoreValue(facts["group"], facts["name"], json.dumps(facts["value"]), facts["unit"], facts["desc"])
-    line = module_scores.readable(score)
+    line = sheets.score_line(score)
     where = f"{escaped(score.group)}: " if score.group else ""
     return f"module's score: {where}{escaped(line.name)}: {style(BOLD, escaped(line.value))}"
 

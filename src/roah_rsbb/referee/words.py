@@ -21,7 +21,7 @@ from roah_rsbb.model.zone import Event, SheetItem
 from roah_rsbb.referee.at_once import STOP, meant
 from roah_rsbb.scoring.points import number_of, text_of
 from roah_rsbb.scoring.sheet import Mark, ScoreSheet
-from roah_rsbb.wording.suggestions import did_you_mean
+from roah_rsbb.wording.texts import did_you_mean
 
 # Actions that have a command of their own in the terminal, with other words.
 PLACED = {"stop": "stop", "choose_event": "choose", "operation": "done"}

@@ -23,8 +23,7 @@ from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent
 from roah_rsbb.rulebook.standing_rules import DEFAULT, Rules
 from roah_rsbb.scoring.counting import amount_of, exact
 from roah_rsbb.wording import sheets
-from roah_rsbb.wording.counting import counting_text
-from roah_rsbb.wording.module_scores import by_group
+from roah_rsbb.wording.sheets import counting_text, scores_by_group
 from roah_rsbb.wording.texts import one_line
 from roah_rsbb.wording.times import NOTHING, date_time, elapsed, optional_date_time
 
@@ -218,7 +217,7 @@ def _points(rules: Rules, items: Sequence[ItemRecord]) -> str:
 
 
 def _module_groups(record: RunRecord) -> Iterator[Group]:
-    for name, lines in by_group(record.module_scores):
+    for name, lines in scores_by_group(record.module_scores):
         yield Group(f"Module: {name}", tuple(Line(line.name, line.value) for line in lines))
 
 

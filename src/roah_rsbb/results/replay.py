@@ -16,7 +16,7 @@ from roah_rsbb.results.runs import RobotPart, RunMoment, RunResult, clock_text, 
 from roah_rsbb.scoring.book import BookState, RunBook, form_of
 from roah_rsbb.scoring.points import CountedSheet
 from roah_rsbb.wording import sheets
-from roah_rsbb.wording.module_scores import by_group
+from roah_rsbb.wording.sheets import scores_by_group
 from roah_rsbb.wording.texts import visible
 from roah_rsbb.wording.times import date_time, offset_s
 
@@ -199,7 +199,7 @@ def _module_scores(moment: RunMoment) -> List[List[str]]:
     except BadState:
         return []
     return [[visible(group), visible(line.name), visible(line.value)]
-            for group, lines in by_group(known) for line in lines]
+            for group, lines in scores_by_group(known) for line in lines]
 
 
 # -- robots -----------------------------------------------------------------------------------------

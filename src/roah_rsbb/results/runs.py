@@ -11,7 +11,7 @@ from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.model.saved import BadState, thaw
 from roah_rsbb.wording import sheets
-from roah_rsbb.wording.counting import with_counting
+from roah_rsbb.wording.sheets import with_counting
 from roah_rsbb.wording.times import NOTHING, date_time, elapsed
 
 

@@ -20,8 +20,7 @@ from roah_rsbb.results.runs import (
 )
 from roah_rsbb.rulebook.standing_rules import Rules
 from roah_rsbb.wording import sheets
-from roah_rsbb.wording.counting import counting_text
-from roah_rsbb.wording.module_scores import by_group
+from roah_rsbb.wording.sheets import counting_text, scores_by_group
 from roah_rsbb.wording.texts import one_line as line
 from roah_rsbb.wording.times import NOTHING, date_time, elapsed, optional_date_time, time_with_tenths
 
@@ -41,7 +40,7 @@ def sheet_lines(result: RunResult, in_utc: bool, strike: bool) -> Iterator[str]:
     yield from _history(record, in_utc, strike)
     yield from _judges(record, in_utc)
     yield from _stops(record, in_utc)
-    for title, lines in by_group(record.module_scores):
+    for title, lines in scores_by_group(record.module_scores):
         yield from _titled(f"Module's score: {line(title)}", [f"{line(s.name)}: {line(s.value)}" for s in lines])
     for section in sections(result):
         yield from _titled(section.title, [
@@ -228,7 +227,7 @@ def _items_markup(record: RunRecord) -> Iterator[Markup]:
 
 
 def _modules_markup(record: RunRecord) -> Iterator[Markup]:
-    groups = by_group(record.module_scores)
+    groups = scores_by_group(record.module_scores)
     if groups:
         yield tag("h2", "Scores of the benchmarking module")
     for group, lines in groups:

@@ -11,8 +11,7 @@ from typing import List, Mapping, Optional
 
 from roah_rsbb.ground.installed import NotShipped, shipped_folder
 from roah_rsbb.rqt.qt import QCoreApplication, QLibraryInfo, QTranslator
-from roah_rsbb.wording.catalogues import CONTEXT, Texts, form, read
-from roah_rsbb.wording.language import set_translation
+from roah_rsbb.wording.language import CONTEXT, Texts, form_of, read_texts, set_translation
 
 # The language of the texts in the code.
 SOURCE = "en"
@@ -48,7 +47,7 @@ class Catalogue(QTranslator):
         return not self._texts
 
     def translate(self, context: str, text: str, _disambiguation: Optional[str] = None, n: int = -1) -> Optional[str]:
-        return form(self._language, self._texts.get((context, text)), n)
+        return form_of(self._language, self._texts.get((context, text)), n)
 
 
 def install() -> None:
@@ -64,7 +63,7 @@ def install() -> None:
         return
     of_qt = QTranslator()
     of_qt.load(f"qtbase_{language}", QLibraryInfo.location(QLibraryInfo.TranslationsPath))
-    for translator in (of_qt, Catalogue(language, read(_file(folder, language)))):  # Qt asks the last one first
+    for translator in (of_qt, Catalogue(language, read_texts(_file(folder, language)))):  # Qt asks the last one first
         QCoreApplication.installTranslator(translator)
         _installed.append(translator)
     set_translation(_in_this_language)

@@ -31,7 +31,7 @@ from roah_rsbb.rulebook.registry import CODE, PROFILES, USES, BenchmarkKind, Pro
 from roah_rsbb.rulebook.scoring_section import MAX_JUDGES, ScoringSection
 from roah_rsbb.rulebook.yaml_fields import choice, describe, fields, integer, number, sequence, text, utc_time
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable, read_yaml
-from roah_rsbb.wording.suggestions import nearest, twins
+from roah_rsbb.wording.texts import nearest, twins
 from roah_rsbb.wording.times import zone_of
 
 __all__ = ["ConfigError", "ConfigErrors", "load"]

@@ -23,7 +23,7 @@ from roah_rsbb.model.scoring import (
 from roah_rsbb.rulebook.errors import Place, Report, listing, quote
 from roah_rsbb.rulebook.yaml_fields import choice, describe, exact, fields, integer, sequence, text
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable
-from roah_rsbb.wording.suggestions import did_you_mean
+from roah_rsbb.wording.texts import did_you_mean
 
 MAX_JUDGES = 20
 

@@ -13,7 +13,7 @@ from roah_rsbb.rulebook.errors import Place, Report, quote
 from roah_rsbb.rulebook.registry import CODE, PROFILES
 from roah_rsbb.rulebook.yaml_fields import choice, exact, fields, number, sequence, text, utc_time
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Unusable, read_yaml
-from roah_rsbb.wording.suggestions import nearest
+from roah_rsbb.wording.texts import nearest
 from roah_rsbb.wording.times import formatted
 
 _SHAPE = "a map 'CODE: {runs: best, criteria: [...]}' of benchmarks"

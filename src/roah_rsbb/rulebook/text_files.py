@@ -7,7 +7,7 @@ from contextvars import ContextVar
 from typing import Iterator, Mapping, Optional
 
 from roah_rsbb.rulebook.errors import Place, Report, quote
-from roah_rsbb.wording.suggestions import nearest
+from roah_rsbb.wording.texts import nearest
 
 # Enough for a schedule of ten thousand runs. PyYAML takes two to six seconds to read this much.
 MAX_BYTES = 1_000_000

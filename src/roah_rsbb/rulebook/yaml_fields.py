@@ -16,7 +16,7 @@ import yaml
 
 from roah_rsbb.rulebook.errors import Report, listing, quote
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable
-from roah_rsbb.wording.suggestions import did_you_mean, nearest
+from roah_rsbb.wording.texts import did_you_mean, nearest
 
 T = TypeVar("T")
 

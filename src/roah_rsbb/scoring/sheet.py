@@ -39,7 +39,7 @@ from roah_rsbb.model.scoring import (
 )
 from roah_rsbb.scoring.points import jury_text, text_of, whole_part
 from roah_rsbb.wording.sheets import item_value
-from roah_rsbb.wording.suggestions import did_you_mean
+from roah_rsbb.wording.texts import did_you_mean
 
 # Changes of an item by the same person within this time (s) after an entry belong to that entry.
 ONE_ENTRY_S = 1.0

@@ -14,8 +14,8 @@ from roah_rsbb.web import documents, zone_documents
 from roah_rsbb.web.box_page.documents import PartShown, made_of, part_name, part_page
 from roah_rsbb.web.numbered import Key, Numbered, NumberedDocument
 from roah_rsbb.web.store import Store
-from roah_rsbb.wording import team_page
-from roah_rsbb.wording.whole_box.robots import LinkQuality
+from roah_rsbb.wording import public
+from roah_rsbb.wording.whole_box import LinkQuality
 
 ZONE, CLOCK, ZONES = "page.zone", "page.clock", "page.zones"
 # What STOP needs, without a text: of a zone, or with "" of all zones.
@@ -43,7 +43,7 @@ class Desk(Numbered):
         if document is None:
             return None
         with self._store.speaking(language):
-            return team_page.facts(team, document, self.box.now())
+            return public.team_facts(team, document, self.box.now())
 
     def show(self, shown: Iterable[Key]) -> None:
         """Make documents for these from now on, and for no others: language and zone, and where a part of the page of

@@ -7,9 +7,9 @@ from typing import Any, Dict, Iterable, List, Optional
 
 from roah_rsbb.model.document import Document, PublicEvent, PublicResult, PublicRun
 from roah_rsbb.wording import public
-from roah_rsbb.wording.explained import explained as explained_texts
 from roah_rsbb.wording.language import tr
-from roah_rsbb.wording.replay import NOT_LIVE
+from roah_rsbb.wording.public import explained as explained_texts
+from roah_rsbb.wording.whole_box import REPLAY_NOT_LIVE
 
 Data = Dict[str, Any]
 
@@ -142,7 +142,7 @@ def page_words(language: str, title: str, utc_s: Optional[float], utc_offset_s: 
 def page_runs(document: Document, ahead_s: float) -> Data:
     """Return the texts of all runs with the times that the page counts itself, and the mark of a replay. `ahead_s`: see
     `state`."""
-    return {"replay": tr(NOT_LIVE) if document.box.is_replay else "", "runs": [
+    return {"replay": tr(REPLAY_NOT_LIVE) if document.box.is_replay else "", "runs": [
         {**card._asdict(), **{name: _run(run, ahead_s)[name] for name in ("zone", "teams", "ends", "counts_from")}}
         for card, run in zip(public.cards(document), document.runs_shown())
     ]}

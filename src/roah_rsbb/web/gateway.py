@@ -27,7 +27,7 @@ from roah_rsbb.web.store import Store
 from roah_rsbb.web.teams.codes import FILE as CODES_FILE
 from roah_rsbb.web.teams.codes import TeamCodes
 from roah_rsbb.web.teams.requests import CODE, TEAM_PAGES
-from roah_rsbb.wording import catalogues
+from roah_rsbb.wording import language
 
 # How often it is checked why the pages show nothing new.
 WHY_S = 5.0
@@ -77,7 +77,7 @@ class Gateway:
         self._url = ""  # for paired devices
         calls = PairingCalls(loop, lambda: self._server, lambda: self._url)
         self._client = host.make_client(lambda: self._server.follow(), calls.named())
-        languages = catalogues.translations(sorted((host.resource / "languages").glob("*.ts")))
+        languages = language.translations(sorted((host.resource / "languages").glob("*.ts")))
         store = Store(self._client, languages, title, logos=read_logos(logos, _log.warning))
         self._why: Set[str] = set()  # it was not connected; these were logged
         self._server = WebServer(loop, store, str(host.resource / "web"), own_names(host.names), sessions,

@@ -12,7 +12,7 @@ from roah_rsbb.model.reason import Refused
 from roah_rsbb.web.pairing import CODE_VALID_S, ORGANISER, ROLES, Grant
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.wording.device import CODES_NOT_SAVED
-from roah_rsbb.wording.suggestions import did_you_mean
+from roah_rsbb.wording.texts import did_you_mean
 
 # A disk may take so long, and whoever calls hears of it.
 DISK_S = 3.0

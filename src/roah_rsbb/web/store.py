@@ -7,8 +7,7 @@ from roah_rsbb.web import documents
 from roah_rsbb.web.documents import TEXTS, Data
 from roah_rsbb.web.numbered import BoxShown, Key, Numbered
 from roah_rsbb.wording import device, times
-from roah_rsbb.wording.catalogues import ENGLISH, chosen
-from roah_rsbb.wording.language import Translate, in_language
+from roah_rsbb.wording.language import ENGLISH, Translate, chosen, in_language
 from roah_rsbb.wording.public import ALL_TEAMS
 
 # UTC slews. While the times of runs differ by less, they are the same.

@@ -27,8 +27,7 @@ from roah_rsbb.web.viewer import Viewer
 from roah_rsbb.web.zone_documents import own_sheet, side_by_side
 from roah_rsbb.wording import device
 from roah_rsbb.wording.device import role_text
-from roah_rsbb.wording.language import tr
-from roah_rsbb.wording.said import tr_said
+from roah_rsbb.wording.language import tr, tr_said
 
 # Browsers take a cookie with this prefix from encrypted pages only.
 COOKIE, ENCRYPTED_COOKIE = "roah_rsbb_session", "__Host-roah_rsbb_session"

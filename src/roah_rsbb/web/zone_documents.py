@@ -10,11 +10,9 @@ from roah_rsbb.model.results import JudgedRun, Judging, RunLine, RunSheet
 from roah_rsbb.model.zone import RUNNING, Count, RunClock, SheetItem, ZoneSeen
 from roah_rsbb.web.documents import Data
 from roah_rsbb.wording import judging, sheets, stop, todo
-from roah_rsbb.wording.clock import Figure, clock_of
-from roah_rsbb.wording.counting import with_counting
-from roah_rsbb.wording.language import tr
-from roah_rsbb.wording.said import tr_said
-from roah_rsbb.wording.times import Moments, formatted
+from roah_rsbb.wording.language import tr, tr_said
+from roah_rsbb.wording.sheets import with_counting
+from roah_rsbb.wording.times import Figure, Moments, clock_of, formatted
 
 # Runs without judges that are over and not signed off. Of more, the page says how many there are.
 MAX_UNSIGNED = 50

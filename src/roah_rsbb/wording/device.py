@@ -3,9 +3,8 @@
 from typing import Any, Dict
 
 from roah_rsbb.model.actions import ACTIONS, ENTRIES, Action
-from roah_rsbb.wording import judging, schedule, stop
+from roah_rsbb.wording import judging, schedule, stop, whole_box
 from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.whole_box import ending, robots
 
 # The roles of devices, by the names in the ROS interface.
 ROLES = {"referee": tr_later("Referee"), "judge": tr_later("Judge"), "organiser": tr_later("Organiser")}
@@ -78,8 +77,8 @@ def box_words() -> Dict[str, Any]:
         "leave_unsigned": tr("{run} is not signed off. Its score sheet stays in Results.", run="{run}"),
         "hidden": tr("{number} more are not shown", number="{number}"),
         "no_robot": tr("No robot is heard"),
-        "robot_columns": [tr(column) for column in robots.COLUMNS],
-        "robot_explanations": list(robots.explanations().values()),
+        "robot_columns": [tr(column) for column in whole_box.ROBOT_COLUMNS],
+        "robot_explanations": list(whole_box.column_explanations().values()),
         "no_runs": tr("This zone has no run yet."), "history": tr("History"), "ends": tr("Ends"),
         "withdraw": tr(ENTRIES["withdraw"].label),
         "still_connected": tr("The run is still connected. Disconnect it first."),
@@ -91,8 +90,8 @@ def box_words() -> Dict[str, Any]:
         "reload_errors": tr("Nothing was changed. Correct this first:"),
         "reload_apply": tr("Apply these changes? Connected runs keep what they began with."),
         "reload_same": tr("The files contain what is in force"), "reload_done": tr("The changes are in force"),
-        "exit": tr("Exit"), "exit_title": tr(ending.QUESTION), "exit_all": tr(ending.ENDS_ALL),
-        "exit_now": tr(ending.YES), "cancel": tr("Cancel"), "exit_runs": tr(ending.RUNS, runs="{runs}"),
+        "exit": tr("Exit"), "exit_title": tr(whole_box.END_QUESTION), "exit_all": tr(whole_box.ENDS_ALL),
+        "exit_now": tr(whole_box.END_NOW), "cancel": tr("Cancel"), "exit_runs": tr(whole_box.END_RUNS, runs="{runs}"),
         "box_ended": tr("The box has ended"),
         "box_ended_how": tr("Start it again on its computer. Runs that were in progress and this page then continue."),
         "may_act_as": tr("May act as"), "new_code": tr("New code"),

@@ -1,15 +1,20 @@
 """The language of the texts on screens (docs/referee.md, "Language").
 
 The texts in the code are English. A program with windows may set another language. The web pages get their texts in
-several languages. All other programs, and everything that is sent or written to files, stay English.
+several languages. All other programs, and everything that is sent or written to files, stay English. The translations
+are in resource/languages, in the format of Qt Linguist.
 """
 
 import contextlib
+import functools
 import logging
+import pathlib
 import re
 import string
 import threading
-from typing import Any, Callable, Iterator, Mapping, Optional, Set
+from typing import Any, Callable, Container, Dict, Iterable, Iterator, Mapping, Optional, Set, Tuple
+
+from roah_rsbb.model.reason import Reason
 
 # Returns a text in another language; the number is the count in it, or -1 if there is none.
 Translate = Callable[[str, int], str]
@@ -108,3 +113,88 @@ def _report(text: str, error: Exception) -> None:
 def tr_later(text: str) -> str:
     """Return the text unchanged: `tr` translates it where it is shown. Texts of constants are written in it."""
     return text
+
+
+# -- sentences of the box --------------------------------------------------------------------------
+
+
+def tr_said(text: str) -> str:
+    """Return a sentence of the box in the language of this process. It never raises."""
+    return text if is_english() else tr_reason(text)
+
+
+def tr_reason(text: str) -> str:
+    """Return a reason in the language of this process; a text that is none is translated as it is."""
+    if not isinstance(text, Reason):
+        return tr(text)
+    return tr(text.template, **{
+        name: tr_reason(value) if isinstance(value, Reason) else value for name, value in text.values.items()})
+
+
+# -- the files of translations ---------------------------------------------------------------------
+
+ENGLISH = "en"  # the language of the texts in the code
+# The context of our texts in the files. Further contexts are those of Qt's own texts.
+CONTEXT = "roah_rsbb"
+
+# The forms of a text, by context and English text: one form, or several if the text has a count.
+Texts = Dict[Tuple[str, str], Tuple[str, ...]]
+
+# The index of the form for a count, by language.
+_FORMS: Dict[str, Callable[[int], int]] = {
+    "": lambda n: int(n != 1),  # most of them
+    "fr": lambda n: int(n > 1),
+    "ja": lambda n: 0,
+    "zh": lambda n: 0,
+}
+
+
+def read_texts(path: pathlib.Path) -> Texts:
+    """Return all translated texts of a file."""
+    from xml.etree import ElementTree  # imported late: most boxes never need it
+
+    found: Texts = {}
+    for context in ElementTree.parse(str(path)).getroot().iter("context"):
+        name = context.findtext("name", "")
+        for message in context.iter("message"):
+            translation = message.find("translation")
+            assert translation is not None  # Qt writes one, even if it is empty
+            forms = tuple(form.text or "" for form in translation.iter("numerusform")) or (translation.text or "",)
+            if all(forms) and translation.get("type") not in ("unfinished", "obsolete", "vanished"):
+                found[name, message.findtext("source", "")] = forms
+    return found
+
+
+def translations(files: Iterable[pathlib.Path]) -> Dict[str, Translate]:
+    """Return what files translate, by their languages. A file is read when somebody needs its language."""
+    return {path.stem: _read_late(path) for path in files}
+
+
+def _read_late(path: pathlib.Path) -> Translate:
+    known = functools.lru_cache(maxsize=None)(lambda: translation(path.stem, read_texts(path)))
+    return lambda text, n: known()(text, n)
+
+
+def chosen(wanted: str, known: Container[str]) -> str:
+    """Return the first language that is wanted and known, else English. `wanted`: such as ``fr,de-AT;q=0.8``."""
+    for name in wanted.split(","):
+        name = name.partition(";")[0].strip().replace("-", "_")
+        for one in (name, name.partition("_")[0]):
+            if one in known:
+                return one
+    return ENGLISH
+
+
+def form_of(language: str, forms: Optional[Tuple[str, ...]], n: int) -> Optional[str]:
+    """Return the form of a text for a count; `n` is -1 without one. None: the text is not translated."""
+    if forms is None:
+        return None
+    number = _FORMS.get(language.partition("_")[0], _FORMS[""])(n) if n >= 0 else 0
+    return forms[min(number, len(forms) - 1)]
+
+
+def translation(language: str, texts: Texts) -> Translate:
+    """Return the function that translates our texts into a language. Texts without a translation stay English."""
+    def translate(text: str, n: int) -> str:
+        return form_of(language, texts.get((CONTEXT, text)), n) or text
+    return translate

@@ -1,18 +1,26 @@
-"""The texts of the public pages (docs/public_display.md).
+"""The texts of the public pages (docs/public_display.md), and of those of teams (docs/web.md, "Pages of teams").
 
 Times of day are those of the venue: the public compares them with the clock on the wall.
 """
 
 import math
-from typing import Dict, Iterable, NamedTuple, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.model.document import Document, PublicEvent, PublicResult, PublicRun, PublicStanding
-from roah_rsbb.model.zone import ENDED, RUNNING
-from roah_rsbb.wording import module_scores, sheets, times
-from roah_rsbb.wording.clock import PAUSED
-from roah_rsbb.wording.language import number, tr, tr_later
-from roah_rsbb.wording.replay import MARK
-from roah_rsbb.wording.said import tr_said
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.document import (
+    Document,
+    PublicEvent,
+    PublicResult,
+    PublicRun,
+    PublicStanding,
+    RobotSeen,
+    RobotText,
+)
+from roah_rsbb.model.zone import ENDED, IDLE, RUNNING, ZoneSeen
+from roah_rsbb.wording import sheets, times
+from roah_rsbb.wording.language import number, tr, tr_later, tr_said
+from roah_rsbb.wording.times import PAUSED
+from roah_rsbb.wording.whole_box import REPLAY
 
 ALL_TEAMS = "ALL"
 WAITING = tr_later("Waiting for the referee box")
@@ -72,7 +80,7 @@ def cards(document: Document) -> Tuple[RunCard, ...]:
     found = tuple(_card(run, many_zones) for run in document.runs_shown())
     if not document.box.is_replay:
         return found
-    return tuple(card._replace(word=f"{tr(MARK)} · {card.word}" if card.word else tr(MARK)) for card in found)
+    return tuple(card._replace(word=f"{tr(REPLAY)} · {card.word}" if card.word else tr(REPLAY)) for card in found)
 
 
 def following(document: Document, utc_s: float) -> Tuple[ListLine, ...]:
@@ -155,7 +163,7 @@ def _result(result: PublicResult, utc_s: float) -> ListLine:
     sums = [sheets.sums_text([group]) for group in groups if group.values]
     if result.points is not None:
         sums = [sheets.points_text(*result.points)]
-    lines = [module_scores.readable(score) for score in result.module_scores]
+    lines = [sheets.score_line(score) for score in result.module_scores]
     return ListLine(
         local_time(result.disconnected_utc_s, utc_s), team_text(result.event.team), result.event.benchmark,
         _end(result.end_reason), (*(f"{line.name} {line.value}" for line in lines), *sums))
@@ -191,3 +199,144 @@ def date(utc_s: float) -> str:
 
 def _local(pattern: str, utc_s: float) -> str:
     return times.formatted(utc_s, pattern, in_utc=False)
+
+
+# -- a run, explained to spectators (docs/web.md, "Displays") --------------------------------------
+
+DONE, NOW, LATER = "done", "now", "later"
+_ENGLISH = "en"
+_PREPARES, _EXECUTES = tr_later("The robot prepares"), tr_later("The robot carries out its task")
+_REFEREE = tr_later("The referee is at work")
+_GOAL, _WAYPOINT = tr_later("The robot carries out the goal"), tr_later("The robot drives to the waypoint")
+_ORDER = {"waiting": 0, "referee": 1, "between": 1, "preparing": 2, "executing": 3, "ended": 4}
+_SAID = {
+    "notifications": tr_later("Robot: {words}"), "activation_event": tr_later("Event: {words}"),
+    "visitor": tr_later("Visitor: {words}"), "final_command": tr_later("Command: {words}"),
+}
+
+
+class ShownStep(NamedTuple):
+    """A step of a run."""
+
+    text: str
+    state: str  # done, now or later
+
+
+class ExplainedTexts(NamedTuple):
+    """The texts of a run."""
+
+    about: str  # may be empty
+    steps: Tuple[ShownStep, ...]
+    now: str  # one sentence
+    progress: str  # may be empty
+    said: Tuple[str, ...]  # the newest last
+
+
+def explained(run: PublicRun, language: str) -> ExplainedTexts:
+    """Return the texts of a run."""
+    return ExplainedTexts(
+        _about(run, language), tuple(_steps(run)), _now(run), _progress(run), tuple(map(_said, run.said)))
+
+
+def _about(run: PublicRun, language: str) -> str:
+    """The text in a language. If that is missing, the English one, or else the first one."""
+    for name in (language, language.partition("_")[0], _ENGLISH):
+        if name in run.about:
+            return run.about[name]
+    return next(iter(run.about.values()), "")
+
+
+def _steps(run: PublicRun) -> List[ShownStep]:
+    """The phases of a task or, without them, what happens in every run. Goals repeat, so their
+    steps are never done while the run continues."""
+    if run.phases:
+        is_over = run.doing == "ended"
+        present = run.phase_number
+        return [ShownStep(name, DONE if is_over or number < present else NOW if number == present else LATER)
+                for number, name in enumerate(run.phases, 1)]
+    if run.doing == "by_hand":
+        return []
+    now = _ORDER[run.doing]
+    if run.kind == "functionality":
+        texts = [(1, _REFEREE), (2, _PREPARES), (3, _WAYPOINT if run.are_waypoints else _GOAL)]
+        return [ShownStep(tr(text), DONE if now == _ORDER["ended"] else NOW if number == now else LATER)
+                for number, text in texts]
+    return [ShownStep(tr(text), DONE if number < now else NOW if number == now else LATER)
+            for number, text in ((2, _PREPARES), (3, _EXECUTES))]
+
+
+def _now(run: PublicRun) -> str:
+    if run.doing == "executing" and run.kind == "functionality":
+        if run.are_waypoints:
+            return tr("The robot drives to waypoint {number}", number=run.goals)
+        return tr("The robot carries out goal {number}", number=run.goals)
+    if run.doing == "executing" and run.kind == "all robots":
+        return tr("All robots carry out the task at the same time")
+    return {
+        "waiting": tr("The robot waits for the start"), "preparing": tr(_PREPARES), "executing": tr(_EXECUTES),
+        "referee": tr(_REFEREE), "between": tr("The next goal follows"),
+        "by_hand": tr("The referee starts and stops the clock"), "ended": tr("The run is over"),
+    }[run.doing]
+
+
+def _progress(run: PublicRun) -> str:
+    if not run.goals_ended:
+        return ""
+    if run.goals_completed is None:
+        return tr("Waypoints done: {number}", number=run.goals_ended) if run.are_waypoints else tr(
+            "Goals done: {number}", number=run.goals_ended)
+    if run.are_waypoints:
+        return tr("Waypoints reached: {number} of {all}", number=run.goals_completed, all=run.goals_ended)
+    return tr("Goals completed: {number} of {all}", number=run.goals_completed, all=run.goals_ended)
+
+
+def _said(one: RobotText) -> str:
+    text = tr(_SAID.get(one.kind, _SAID["notifications"]), words=one.text)
+    return f"{one.robot}: {text}" if one.robot else text
+
+
+# -- what a team may know of its own robot ---------------------------------------------------------
+
+_NOT_BEGUN = ("next", "later")
+
+
+def team_facts(team: str, document: Document, now: Now) -> List[str]:
+    """Return what the box knows of a team's robots, of the zones whose event is the team's, and of its next event.
+    `now`: on the box's clocks."""
+    robots = [robot for robot in document.robots.values() if robot.team == team]
+    lines = [line for robot in robots for line in _robot(robot, now)] or [tr("The box does not hear the robot")]
+    zones = [document.zones[name] for name in document.box.zones if name in document.zones]
+    lines += [_zone(zone, now) for zone in zones if zone.event.team in (team, ALL_TEAMS)]
+    following = [event for event in document.events() if event.team in (team, ALL_TEAMS) and event.state in _NOT_BEGUN]
+    if following:
+        event = min(following, key=lambda one: one.begins_utc_s)
+        lines.append(tr("Next event: {benchmark} in zone {zone}, about {time}", benchmark=event.benchmark,
+                        zone=event.zone, time=local_time(event.begins_utc_s, now.utc)))
+    return lines
+
+
+def _robot(robot: RobotSeen, now: Now) -> List[str]:
+    heard = tr("The box hears {robot}, last {seconds} s ago", robot=robot.robot,
+               seconds=_seconds(robot.silent_since, now))
+    seconds = f"{abs(robot.skew):.2f}"
+    text = tr("Its clock is {seconds} s ahead of the box", seconds=seconds) if robot.skew >= 0.0 else tr(
+        "Its clock is {seconds} s behind the box", seconds=seconds)
+    return [heard, text]
+
+
+def _zone(zone: ZoneSeen, now: Now) -> str:
+    if zone.phase == IDLE:
+        reasons = "; ".join(tr_said(reason) for reason in zone.off("connect"))
+        if reasons:
+            return tr("In zone {zone}, connect is off: {reasons}", zone=zone.zone, reasons=reasons)
+        return tr("In zone {zone}, the robot can be connected now", zone=zone.zone)
+    robot = zone.robot
+    if robot is None or not robot.heard:
+        return tr("In zone {zone}, the robot is connected. No message of it has come yet", zone=zone.zone)
+    return tr("In zone {zone}, the robot is connected. Its state: {state}. Last message {seconds} s ago",
+              zone=zone.zone, state=robot.robot_state, seconds=_seconds(robot.silent_since, now))
+
+
+def _seconds(silent_since: Optional[float], now: Now) -> str:
+    """Return the seconds of a silence in words; None: there is none."""
+    return f"{max(0.0, now.mono - silent_since):.0f}" if silent_since is not None else tr("less than 2")

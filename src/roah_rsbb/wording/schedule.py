@@ -8,8 +8,8 @@ from typing import Callable, Dict, Iterable, NamedTuple, Optional, Sequence
 
 from roah_rsbb.model.results import EventSeen
 from roah_rsbb.wording import sheets, times
-from roah_rsbb.wording.counting import with_counting
 from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.sheets import with_counting
 
 MINUTE_S, DAY_S = 60, 86400
 

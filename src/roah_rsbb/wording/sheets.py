@@ -1,17 +1,18 @@
-"""Runs and their score sheets as people read them: items, sums, history, ends, sign-off.
+"""Runs and their score sheets as people read them: items, sums, history, ends, sign-off, whether a run counts.
 
 Panels, terminal, pages and exports decorate these words (colour, marks, columns) and add none of their own. Moments
 are shown in the format that the caller passes (`When`).
 """
 
+import json
+import math
 import re
-from typing import Callable, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.model.reason import joined, say
 from roah_rsbb.model.records import ItemRecord, Outage, SheetPoints
 from roah_rsbb.model.results import HistoryEntry
-from roah_rsbb.wording.language import number, tr, tr_later
-from roah_rsbb.wording.said import tr_said
+from roah_rsbb.wording.language import number, tr, tr_later, tr_said
 from roah_rsbb.wording.times import NOTHING
 
 NOT_ATTEMPTED = tr_later("not attempted")
@@ -286,3 +287,77 @@ def entry_line(texts: EntryTexts, mark: Callable[[str], str] = str) -> str:
     note = f" ({texts.note})" if texts.note else ""
     marks: List[str] = [f"; {mark(text)}" for text in (texts.correction, texts.withdrawn) if text]
     return f"{texts.when}{who} {texts.item}: {texts.change}{note}{''.join(marks)}"
+
+
+# -- whether a run counts: `scoring.counting` decides it, and names it by a word -------------------
+
+_TEXTS = {
+    "counts": tr_later("counts"),
+    "counts_as_zero": tr_later("counts as 0"),
+    "not_over": tr_later("is not over"),
+    "never_started": tr_later("does not count: never started"),
+    "all_robots": tr_later("no score: all robots at once"),
+    "excluded": tr_later("does not count: excluded"),
+    "not_signed_off": tr_later("does not count: not signed off"),
+    "not_last": tr_later("does not count: a later attempt counts"),
+    "not_best": tr_later("does not count: a better attempt counts"),
+    "ran": tr_later("does not count: a run of the team at this event counts"),
+    "no_score": tr_later("no score"),
+}
+
+
+def counting_text(word: str) -> str:
+    """Return whether a run counts, and why or why not; a word of a newer version is shown unchanged."""
+    return tr(_TEXTS.get(word, word))
+
+
+def with_counting(state: str, word: str, only_unusual: bool = False) -> str:
+    """Return the state of a run, followed by whether it counts. The state alone says that a run is not over.
+    `only_unusual`: only if the run does not count as it is."""
+    silent = ("", "not_over", "never_started", *(("counts", "all_robots") if only_unusual else ()))
+    return state if word in silent else f"{state}, {counting_text(word)}"
+
+
+# -- scores of benchmarking modules: anything with the fields of ModuleScore -----------------------
+
+# The title of the scores that belong to the run as a whole.
+WHOLE_RUN = tr_later("Whole run")
+_WORDS = {True: tr_later("yes"), False: tr_later("no"), None: NOTHING}
+
+
+class ScoreLine(NamedTuple):
+    """One score: what it is, and its value with the unit."""
+
+    name: str
+    value: str
+
+
+def score_line(score: Any) -> ScoreLine:
+    """Return one score, such as ("Distance error", "0.124 m")."""
+    return ScoreLine(score.desc or score.name.replace("_", " "), _with_unit(_value(score.value), score.unit))
+
+
+def scores_by_group(scores: Iterable[Any]) -> List[Tuple[str, List[ScoreLine]]]:
+    """Return all scores by group, in their order; those of the whole run come first."""
+    groups: Dict[str, List[ScoreLine]] = {}
+    for score in scores:
+        groups.setdefault(score.group, []).append(score_line(score))
+    whole = [(tr(WHOLE_RUN), groups.pop(""))] if "" in groups else []
+    return whole + list(groups.items())
+
+
+def _value(text: str) -> str:
+    try:
+        value = json.loads(text)
+    except ValueError:
+        return text
+    if value is None or isinstance(value, bool):
+        return tr(_WORDS[value])
+    if isinstance(value, float):
+        # Adding 0.0 turns a rounded "-0.0" into "0.0".
+        return f"{round(value, 3) + 0.0:.3f}".rstrip("0").rstrip(".") if math.isfinite(value) else str(value)
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+
+
+def _with_unit(value: str, unit: str) -> str:
+    return number(f"{value} {unit}" if unit and value != NOTHING else value)

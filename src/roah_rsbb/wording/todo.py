@@ -7,8 +7,7 @@ import enum
 from typing import NamedTuple, Sequence
 
 from roah_rsbb.model.zone import CONNECTED, ENDED, RUNNING, ZoneSeen
-from roah_rsbb.wording.language import tr
-from roah_rsbb.wording.said import tr_said
+from roah_rsbb.wording.language import tr, tr_said
 
 
 class Urgency(enum.IntEnum):

@@ -8,7 +8,7 @@ from helpers.running_loop import running
 from helpers.toy_box import HOST, Bare, ToyBox
 from roah_rsbb.box import door, offers
 from roah_rsbb.wording.device import NO_WEB
-from roah_rsbb.wording.whole_box.devices import NO_DEVICES
+from roah_rsbb.wording.whole_box import NO_DEVICES
 
 __all__ = ["running"]
 

@@ -1,7 +1,7 @@
 """The texts of refusals."""
 
 from roah_rsbb.model.reason import Refused
-from roah_rsbb.wording.suggestions import did_you_mean
+from roah_rsbb.wording.texts import did_you_mean
 
 
 def test_a_refusal_has_every_reason():

@@ -33,7 +33,7 @@ from roah_rsbb.results.standings import index_page, public_standings, standings
 from roah_rsbb.rulebook.benchmarks import CountingAttempt, EventRules, NoShow
 from roah_rsbb.rulebook.standing_rules import Criterion, OfRuns, Overall, Rules, StandingPart, StandingRules, Term
 from roah_rsbb.scoring.counting import RunChoice, Why, attempts_of, rulings
-from roah_rsbb.wording.counting import counting_text
+from roah_rsbb.wording.sheets import counting_text
 
 CODES, ZONES, TEAMS = ("HGTKMH", "HWV"), ("a", "b"), ("Alpha", "Beta")
 HOUR = 3600.0

@@ -9,7 +9,7 @@ import pytest
 from helpers import catalogues, texts_in_code
 from helpers.texts_in_code import find, placeholders
 from roah_rsbb.core.link import link
-from roah_rsbb.wording import language, said
+from roah_rsbb.wording import language
 
 LANGUAGES = sorted(path.stem for path in catalogues.FOLDER.glob("*.ts"))
 
@@ -162,7 +162,8 @@ def test_unfinished_translations_are_shown_in_english(of_windows, tmp_path):
 SHOWING = """
 from roah_rsbb.rqt.app import application
 from roah_rsbb.rqt.qt import QDialogButtonBox
-from roah_rsbb.wording import sheets, times
+from roah_rsbb.wording import sheets
+from roah_rsbb.wording import times
 
 app = application.make_application(["test", "-platform", "offscreen"])
 buttons = QDialogButtonBox(QDialogButtonBox.Close)
@@ -221,8 +222,8 @@ def _german():
     ("", ""),
 ])
 def test_sentences_of_the_box_are_translated_where_they_are_shown(german, sent, shown):
-    assert said.tr_said(sent) == shown
+    assert language.tr_said(sent) == shown
 
 
 def test_sentences_of_the_box_are_english_in_english():
-    assert said.tr_said(link.SILENT(time="4")) == "No message from the robot for 4 s"
+    assert language.tr_said(link.SILENT(time="4")) == "No message from the robot for 4 s"

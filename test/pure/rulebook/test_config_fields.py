@@ -6,7 +6,7 @@ from helpers.config_files import line_of
 from roah_rsbb.rulebook import yaml_fields
 from roah_rsbb.rulebook.errors import ConfigErrors, Report
 from roah_rsbb.rulebook.yaml_lines import read_yaml
-from roah_rsbb.wording.suggestions import nearest
+from roah_rsbb.wording.texts import nearest
 
 TEXT = """
 table_size: {x: 1.2, y: 0.8}

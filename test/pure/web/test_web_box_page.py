@@ -24,7 +24,7 @@ from roah_rsbb.web.pairing import DeviceSession, Grant
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.writing import COOKIE
-from roah_rsbb.wording.whole_box.devices import AWAY
+from roah_rsbb.wording.whole_box import AWAY
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
 GERMAN = {"de": lambda text, n: f"auf Deutsch: {text}"}

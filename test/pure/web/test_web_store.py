@@ -13,7 +13,7 @@ from roah_rsbb.model.document import REPLAY as PREFIX
 from roah_rsbb.web.documents import DATA, PAGE_EXPLAINED, TEXTS
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.viewer import Viewer
-from roah_rsbb.wording.catalogues import read, translation
+from roah_rsbb.wording.language import read_texts, translation
 
 SCHEMAS = pathlib.Path(__file__).resolve().parents[3] / "resource" / "web" / "schemas"
 EVENTS = (event(after_s=900.0), event("Hall", "ALL"))
@@ -29,7 +29,7 @@ class World(Store):
     """A store whose box changes as the test says."""
 
     def __init__(self):
-        german = translation("de", read(catalogues.FOLDER / "de.ts"))
+        german = translation("de", read_texts(catalogues.FOLDER / "de.ts"))
         super().__init__(PublicBox(), {"de": german}, title="Open")
         self.session = "s1"
 

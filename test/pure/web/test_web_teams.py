@@ -22,7 +22,7 @@ from roah_rsbb.web.teams.codes import FILE, TeamCodes
 from roah_rsbb.web.teams.requests import ALL, CODE
 from roah_rsbb.web.teams.requests import COOKIE as TEAM_COOKIE
 from roah_rsbb.web.writing import COOKIE
-from roah_rsbb.wording.team_page import facts
+from roah_rsbb.wording.public import team_facts
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
 TEAM = "Team & Söhne 100%"
@@ -42,7 +42,7 @@ def box(phase="idle", off=("Robot not active",), robot=None, skew=0.25, silent_s
 
 
 def facts_of(made, team=TEAM):
-    return facts(team, made.document, made.now())
+    return team_facts(team, made.document, made.now())
 
 
 # -- codes ------------------------------------------------------------------------------------------

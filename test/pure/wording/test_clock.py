@@ -3,8 +3,8 @@
 import pytest
 
 from roah_rsbb.model.zone import Count, RunClock
-from roah_rsbb.wording import clock as wording
-from roah_rsbb.wording.clock import Clock, Figure, Hurry, lines
+from roah_rsbb.wording import times as wording
+from roah_rsbb.wording.times import Clock, Figure, Hurry, clock_lines
 
 MONO = 500.0
 COUNTED = {"elapsed": "counting", "goal_elapsed": "goal_counting", "setup_elapsed": "setup_counting"}
@@ -69,7 +69,7 @@ def test_after_the_end_the_final_time_is_large_and_the_time_after_the_stop_small
 
 def test_the_times_in_words():
     goal = {"goal": 1, "goal_limit": 120.0, "goal_elapsed": 20.0}
-    assert lines(clock_of(message("running", elapsed=30.0, paused="manual operation", **goal), 0.0)) == [
+    assert clock_lines(clock_of(message("running", elapsed=30.0, paused="manual operation", **goal), 0.0)) == [
         "PAUSED: manual operation", "Run: time left 9:30", "Goal: time left 1:40", "Used: 0:30 of 10:00"]
 
 

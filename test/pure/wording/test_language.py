@@ -20,12 +20,11 @@ from roah_rsbb.core.runs import functionality
 from roah_rsbb.model.reason import Reason, decode, encode
 from roah_rsbb.model.scoring import TIME_LEFT
 from roah_rsbb.standby import remote
-from roah_rsbb.wording import language, said, sheets, stop, times
-from roah_rsbb.wording.catalogues import read, translation, translations
-from roah_rsbb.wording.language import in_language, tr
+from roah_rsbb.wording import language, sheets, stop, times
+from roah_rsbb.wording.language import in_language, read_texts, tr, translation, translations
 
 PATHS = sorted(catalogues.FOLDER.glob("*.ts"))
-CATALOGUES = {path.stem: translation(path.stem, read(path)) for path in PATHS}
+CATALOGUES = {path.stem: translation(path.stem, read_texts(path)) for path in PATHS}
 LANGUAGES = [None, *CATALOGUES]  # None: English
 
 
@@ -198,7 +197,7 @@ def test_a_manual_operation_is_shown_in_german(logged):
     """Its place has the name of a parameter of `tr`, which raised for every German referee."""
     sentence = functionality.ASKED(text="hold the door {open}")
     with in_language(CATALOGUES["de"]):
-        assert said.tr_said(sent(sentence)) == "Handeingriff: hold the door {open}"
+        assert language.tr_said(sent(sentence)) == "Handeingriff: hold the door {open}"
         assert stop.way_text(stop.Way.LOST_BOX, "A").startswith("STOPP A: NICHT")
     assert logged == []
 
@@ -207,7 +206,7 @@ def test_a_reason_in_a_sentence_is_translated_too(logged):
     why = remote._REPORTS(why=folder._FULL(folder="/far"))
     sentence = copies.LAST_ENTRIES(why=copies.ONE_COMPUTER(why=why, place="/s.yaml:3"))
     with in_language(CATALOGUES["de"]):
-        assert said.tr_said(sent(sentence)) == (
+        assert language.tr_said(sent(sentence)) == (
             "NICHT BESTÄTIGT: Dem Standby fehlen die letzten Einträge: Der Standby meldet: Der Datenträger ist voll. "
             "Schaffen Sie Platz für /far. Um mit einem Computer fortzufahren, löschen Sie 'durable: two' in /s.yaml:3, "
             "und laden Sie neu")
@@ -222,7 +221,7 @@ def test_every_sentence_is_shown_with_every_kind_of_value(logged, code):
             for value in (*TEXT_VALUES, *NUMBERS):
                 values = {name: value for name in fields(sentence)}
                 reason = Reason(sentence, values)
-                shown_text = said.tr_said(sent(reason))
+                shown_text = language.tr_said(sent(reason))
                 if "\x00" not in str(value) and value == value:  # NaN is not the same in JSON
                     shown_values = {name: language.number(format(each)) for name, each in values.items()}
                     assert shown_text == (translate(sentence, -1).format(**shown_values) if values else
@@ -234,15 +233,15 @@ def test_every_sentence_is_shown_with_every_kind_of_value(logged, code):
 @pytest.mark.parametrize("code", LANGUAGES)
 def test_what_the_box_says_besides_is_shown_unchanged(logged, code, text):
     with in_language(CATALOGUES.get(code)):
-        assert said.tr_said(text) == text
+        assert language.tr_said(text) == text
     assert logged == []
 
 
 @pytest.mark.parametrize("broken", [[1, 2], 7, ["a {b}", {}], ["{0}", {"b": 1}], None, ["{", {"b": 1}]])
 def test_broken_sentences_prevent_nothing(logged, broken):
     with in_language(CATALOGUES["de"]):
-        assert isinstance(said.tr_said(decode(broken)), str)
-        assert said.tr_said("Already started") == "Schon gestartet"
+        assert isinstance(language.tr_said(decode(broken)), str)
+        assert language.tr_said("Already started") == "Schon gestartet"
 
 
 def test_a_file_is_read_when_its_language_is_needed(tmp_path):
@@ -250,7 +249,7 @@ def test_a_file_is_read_when_its_language_is_needed(tmp_path):
     known = translations([path])
     path.write_bytes((catalogues.FOLDER / "de.ts").read_bytes())
     with in_language(known["de"]):
-        text = next(text for _, text in read(path) if tr(text) != text)
+        text = next(text for _, text in read_texts(path) if tr(text) != text)
     path.unlink()
     with in_language(known["de"]):
         assert tr(text) != text  # it is read once
@@ -271,8 +270,8 @@ def test_a_german_reader_sees_points_in_german():
     points = sheets.points_said("866.662", [("Table", "800"), (TIME_LEFT, "66.662")])
     assert points == "866.662 points: Table 800 · Time left 66.662"
     with in_language(CATALOGUES["de"]):
-        assert said.tr_said(decode(encode(points))) == "866,662 Punkte: Table 800 · Restzeit 66,662"
-        assert said.tr_said(str(RobotId("Beta", "r2"))) == "r2 von Team Beta"
+        assert language.tr_said(decode(encode(points))) == "866,662 Punkte: Table 800 · Restzeit 66,662"
+        assert language.tr_said(str(RobotId("Beta", "r2"))) == "r2 von Team Beta"
         assert tr("{time:.1f} s", time=1.25) == "1,2 s"
         assert (times.elapsed(598.3), times.skew(0.15)) == ("9:58,3", "+0,150 s")
         assert sheets.item_value("decimal", 0, text="2.5") == "2,5"

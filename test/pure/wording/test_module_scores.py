@@ -3,7 +3,7 @@
 import pytest
 
 from roah_rsbb.model.modules import ScoreValue
-from roah_rsbb.wording.module_scores import by_group, readable
+from roah_rsbb.wording.sheets import score_line, scores_by_group
 
 
 @pytest.mark.parametrize("value, unit, text", [
@@ -12,14 +12,14 @@ from roah_rsbb.wording.module_scores import by_group, readable
     ("[1, 2]", "m", "[1, 2] m"), ("no JSON", "", "no JSON"), ("1e400", "", "inf"), ("NaN", "m", "nan m"),
 ])
 def test_a_value_and_its_unit(value, unit, text):
-    assert readable(ScoreValue("", "x", value, unit)).value == text
+    assert score_line(ScoreValue("", "x", value, unit)).value == text
 
 
 def test_the_name_is_the_description_or_made_from_the_name():
-    assert readable(ScoreValue("", "distance_error", "1", "m", "Distance to the waypoint")).name == (
+    assert score_line(ScoreValue("", "distance_error", "1", "m", "Distance to the waypoint")).name == (
         "Distance to the waypoint"
     )
-    assert readable(ScoreValue("", "distance_error", "1", "m")).name == "distance error"
+    assert score_line(ScoreValue("", "distance_error", "1", "m")).name == "distance error"
 
 
 def test_groups_keep_their_order_and_the_whole_run_comes_first():
@@ -27,9 +27,9 @@ def test_groups_keep_their_order_and_the_whole_run_comes_first():
         ScoreValue("waypoint 2", "time", "3", "s"), ScoreValue("", "reached", "1", ""),
         ScoreValue("waypoint 1", "time", "4", "s"), ScoreValue("waypoint 2", "reached", "true", ""),
     ]
-    assert by_group(scores) == [
+    assert scores_by_group(scores) == [
         ("Whole run", [("reached", "1")]),
         ("waypoint 2", [("time", "3 s"), ("reached", "yes")]),
         ("waypoint 1", [("time", "4 s")]),
     ]
-    assert by_group([]) == []
+    assert scores_by_group([]) == []

@@ -2,7 +2,7 @@
 
 import pytest
 
-from roah_rsbb.wording.suggestions import MAX_CHOICES, twins
+from roah_rsbb.wording.texts import MAX_CHOICES, twins
 
 
 @pytest.mark.parametrize("one, other", [

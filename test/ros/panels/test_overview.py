@@ -13,7 +13,7 @@ from roah_rsbb.rqt.panels import devices, overview
 from roah_rsbb.rqt.panels.devices import DevicesPanel
 from roah_rsbb.rqt.panels.overview import OverviewPanel, TileArrangement, best_arrangement
 from roah_rsbb.rqt.qt import QEvent, QMouseEvent, QPointF, QWheelEvent
-from roah_rsbb.wording.whole_box import devices as wording
+from roah_rsbb.wording import whole_box as wording
 
 
 class TestOverview(PanelCase):

@@ -12,7 +12,7 @@ from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.keys_page import KeysDialog
 from roah_rsbb.rqt.widgets.undo import placed
 from roah_rsbb.scoring.sheet import Mark
-from roah_rsbb.wording import clock, times
+from roah_rsbb.wording import times
 from roah_rsbb.wording.sheets import HistoryEntry
 
 PERSON = ("Disqualifying behaviours", "Hits Annie or another person")
@@ -306,8 +306,8 @@ class TestTimes(WindowCase):
         self.assertGreater(main.figure.fitted_font().pixelSize(), max(w.fontInfo().pixelSize() for w in others))
 
     def test_the_last_seconds_stand_out_without_colour(self) -> None:
-        limit(self, clock, "SOON_S", 500.0)  # a busy machine may need some seconds to show it
-        limit(self, clock, "LAST_S", 250.0)
+        limit(self, times, "SOON_S", 500.0)  # a busy machine may need some seconds to show it
+        limit(self, times, "LAST_S", 250.0)
         self.run_zone()
         self.core.pass_time(EVENTS[0][4] - 500.0)
         main = self.control.times.main

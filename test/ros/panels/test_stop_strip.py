@@ -47,7 +47,7 @@ from roah_rsbb.rqt.widgets.keep_clear import clear_place
 from roah_rsbb.rqt.widgets.keys_page import KeysDialog
 from roah_rsbb.rqt.widgets.stop_strip import LEAST_HIGH, LEAST_WIDE, StopStrip
 from roah_rsbb.wording import language, stop
-from roah_rsbb.wording.catalogues import read, translation
+from roah_rsbb.wording.language import read_texts, translation
 
 ALL = os.environ.get("ROAH_TEST_ALL") == "yes"
 SCALE = float(os.environ.get("QT_SCALE_FACTOR", "1"))
@@ -61,7 +61,7 @@ def twice_as_long(text: str, _n: int) -> str:
     return f"{text} {text}"
 
 
-GERMAN = translation("de", read(catalogues.FOLDER / "de.ts"))
+GERMAN = translation("de", read_texts(catalogues.FOLDER / "de.ts"))
 LANGUAGES: Dict[str, Optional[Callable[[str, int], str]]] = {
     "English": None, "German": GERMAN, "twice as long": twice_as_long}
 

@@ -20,7 +20,7 @@ from roah_rsbb.bmbox.host.ground_truth_of_frames import ZonesGroundTruth
 from roah_rsbb.bmbox.host.hosted_module import HostedModule
 from roah_rsbb.ground.params import BadParams, Params
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, RunForModule
-from roah_rsbb.wording.suggestions import did_you_mean
+from roah_rsbb.wording.texts import did_you_mean
 
 # Interval of messages to the core, which pauses a run after four missing messages.
 BEAT_S = 0.5

@@ -28,7 +28,7 @@ from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.tablet.server import TabletPage
 from roah_rsbb.web.gateway import Gateway, GatewayHost
 from roah_rsbb.web.pairing import ORGANISER
-from roah_rsbb.wording.whole_box.devices import NO_DEVICES
+from roah_rsbb.wording.whole_box import NO_DEVICES
 
 LEAVE_S = 1.0
 NAME = "roah_rsbb"  # of this program, for the box's records

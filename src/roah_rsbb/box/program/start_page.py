@@ -22,7 +22,7 @@ from roah_rsbb.ground.arguments import without_ros
 from roah_rsbb.ground.installed import shipped_folder
 from roah_rsbb.ground.linux import on_end, open_in_browser
 from roah_rsbb.web.serving import BoundedServer, bind
-from roah_rsbb.wording import catalogues
+from roah_rsbb.wording import language
 from roah_rsbb.wording.device import StartWords as words
 from roah_rsbb.wording.language import in_language, tr
 
@@ -137,7 +137,7 @@ class StartPage:
         resource = shipped_folder().parent / "resource"
         self.style = (resource / "web" / "assets" / "pages.css").read_text("utf-8")
         files = (resource / "languages").glob("*.ts")
-        self._languages = {catalogues.ENGLISH: None, **catalogues.translations(files)}
+        self._languages = {language.ENGLISH: None, **language.translations(files)}
         self._server = BoundedServer(web.Application(
             [(r"/(|do|end|style\.css)", _Handler, {"page": self})], log_function=lambda handler: None))
 
@@ -171,7 +171,7 @@ class StartPage:
 
     def text(self, accepted: str) -> str:
         """Return the page in the first language that a browser accepts."""
-        name = catalogues.chosen(accepted, self._languages)
+        name = language.chosen(accepted, self._languages)
         with in_language(self._languages[name]):
             body = self._shown() + ("" if self.is_busy else "".join(map(self._form, filter(_is_possible, TASKS))))
             refresh = f'<meta http-equiv="refresh" content="{REFRESH_S}">' if self.is_busy else ""

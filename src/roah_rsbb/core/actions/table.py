@@ -18,7 +18,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Reason, Refused, RunName, checked_who, cut_note, say
 from roah_rsbb.model.records import By
 from roah_rsbb.scoring.sheet import Mark
-from roah_rsbb.wording.suggestions import did_you_mean
+from roah_rsbb.wording.texts import did_you_mean
 
 # What each action of `model.actions` does.
 KINDS: Tuple[Type[ZoneAction], ...] = (

@@ -29,8 +29,7 @@ from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.scoring.counting import Why
 from roah_rsbb.scoring.judges import ItemVerdict
 from roah_rsbb.scoring.points import text_of
-from roah_rsbb.wording.module_scores import readable
-from roah_rsbb.wording.sheets import GroupOfValues, author, points_said, sums_text
+from roah_rsbb.wording.sheets import GroupOfValues, author, points_said, score_line, sums_text
 
 _TYPES = frozenset(kind.word for kind in ScoreKind)
 
@@ -94,7 +93,7 @@ def run_sheet(record: RunRecord, why: Optional[Why]) -> RunSheet:
 def sums_of_record(record: RunRecord) -> str:
     """Return what a module measured of the whole run, and the points of its score sheet, or the sums of its groups if
     it gives none."""
-    measured = [joined(readable(score), ": ") for score in record.module_scores if not score.group]
+    measured = [joined(score_line(score), ": ") for score in record.module_scores if not score.group]
     sums = sums_text(_groups(record.items)) if record.points is None else points_said(*record.points)
     return joined([*measured, *filter(None, [sums])], " · ")
 

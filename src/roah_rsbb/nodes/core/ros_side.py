@@ -27,7 +27,7 @@ from roah_rsbb.ros.live_core import CORE, wait_for_other_core
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.loop_services import LoopServices
 from roah_rsbb.ros.params import NodeParams
-from roah_rsbb.wording.whole_box.ending import NOT_LAUNCHED
+from roah_rsbb.wording.whole_box import NOT_LAUNCHED
 
 # Seconds between the messages for panels of the original, and for its public display.
 GUI_PERIOD_S, PUBLIC_PERIOD_S = 0.1, 0.5

@@ -10,8 +10,7 @@ from roah_rsbb.client.client import Answer, Client
 from roah_rsbb.model.actions import MARK
 from roah_rsbb.model.document import Document
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
-from roah_rsbb.wording.language import tr
-from roah_rsbb.wording.said import tr_said
+from roah_rsbb.wording.language import tr, tr_said
 
 # Timeout of a call. A later answer is ignored.
 TIMEOUT_S = 5.0

@@ -11,10 +11,10 @@ from roah_rsbb.model.messages import DevicesState
 from roah_rsbb.model.results import RunLine
 from roah_rsbb.model.zone import RUNNING, ZoneSeen
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
-from roah_rsbb.wording import clock, superseded
+from roah_rsbb.wording import times, whole_box
 from roah_rsbb.wording.language import tr
-from roah_rsbb.wording.replay import NO_COMMANDS
 from roah_rsbb.wording.times import use_zone
+from roah_rsbb.wording.whole_box import REPLAY_NO_COMMANDS
 
 if TYPE_CHECKING:  # it needs messages of ROS
     from roah_rsbb.rqt.with_ros.host import ControllerStatus, HostWithRos
@@ -93,13 +93,13 @@ class Model(QObject):
 
     def why_read_only(self, silent: str) -> str:
         """Return why nothing can be changed now; empty: it can. `silent`: the reason if the core is silent."""
-        return self.why_old(silent) or (tr(NO_COMMANDS) if self.is_replay else "")
+        return self.why_old(silent) or (tr(REPLAY_NO_COMMANDS) if self.is_replay else "")
 
     def why_old(self, silent: str) -> str:
         """Return why the state shown may be out of date; empty: it is not. `silent`: the reason if the core is
         silent."""
         if self.is_superseded:
-            return tr(superseded.NO_COMMANDS)
+            return tr(whole_box.SUPERSEDED_NO_COMMANDS)
         return silent if self.is_old else ""
 
     def is_confirmed(self, number: int) -> bool:
@@ -142,10 +142,10 @@ class Model(QObject):
         """Return a zone; None: not known."""
         return None if self.document is None else self.document.zones.get(zone_name)
 
-    def clock_of(self, zone_name: str) -> Optional[clock.Clock]:
+    def clock_of(self, zone_name: str) -> Optional[times.Clock]:
         """Return the times of the run in a zone; None: not known."""
         zone = self.zone_of(zone_name)
-        return None if zone is None else clock.clock_of(zone.clock, zone.phase, self.now().mono)
+        return None if zone is None else times.clock_of(zone.clock, zone.phase, self.now().mono)
 
     def run_of(self, identity: str) -> Optional[RunLine]:
         """Return a run; None: not known."""

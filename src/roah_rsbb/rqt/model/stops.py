@@ -14,9 +14,10 @@ from roah_rsbb.model.zone import ENDED, RUNNING
 from roah_rsbb.rqt.model.calls import CallOutcome, Calls
 from roah_rsbb.rqt.model.model import Model
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
-from roah_rsbb.wording import replay, stop, superseded
+from roah_rsbb.wording import stop
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.stop import Way
+from roah_rsbb.wording.whole_box import REPLAY_NO_COMMANDS, SUPERSEDED_NO_COMMANDS
 
 LOOK_MS = 100
 # How long a STOP that reached its robot, or that the box refused, stays on the screen.
@@ -45,7 +46,7 @@ def target_of(model: Model) -> StopTarget:
     """Return what STOP stops: the run of the zone that is shown, else the only run."""
     shown, running = model.zone_name, stoppable(model)
     if model.is_replay or model.is_superseded:
-        return StopTarget(why_off=tr((replay if model.is_replay else superseded).NO_COMMANDS))
+        return StopTarget(why_off=tr(REPLAY_NO_COMMANDS if model.is_replay else SUPERSEDED_NO_COMMANDS))
     if shown in running:
         return StopTarget(shown)
     if len(running) == 1:

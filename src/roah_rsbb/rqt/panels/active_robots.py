@@ -6,7 +6,7 @@ from roah_rsbb.rqt.panels.collapsing import CollapsingPanel
 from roah_rsbb.rqt.qt import QAbstractItemView, QHeaderView, Qt, QTableWidget, QTableWidgetItem
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.whole_box.robots import COLUMNS, LinkQuality, explanations, rows
+from roah_rsbb.wording.whole_box import ROBOT_COLUMNS, LinkQuality, column_explanations, robot_rows
 
 
 class ActiveRobotsPanel(CollapsingPanel):
@@ -19,9 +19,9 @@ class ActiveRobotsPanel(CollapsingPanel):
 
     def __init__(self, client) -> None:
         super().__init__(client)
-        self.table = basic.enlarged(QTableWidget(0, len(COLUMNS)), 1.1)
-        self.table.setHorizontalHeaderLabels([tr(column) for column in COLUMNS])
-        for column, explanation in explanations().items():
+        self.table = basic.enlarged(QTableWidget(0, len(ROBOT_COLUMNS)), 1.1)
+        self.table.setHorizontalHeaderLabels([tr(column) for column in ROBOT_COLUMNS])
+        for column, explanation in column_explanations().items():
             self.table.horizontalHeaderItem(column).setToolTip(basic.tip(explanation))
         self.table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeToContents)
         self.table.horizontalHeader().setStretchLastSection(True)
@@ -49,12 +49,12 @@ class ActiveRobotsPanel(CollapsingPanel):
 
     def show_times(self) -> None:
         document = self.model.document
-        robots = [] if document is None else rows(document, self.model.now().mono, self._links)
+        robots = [] if document is None else robot_rows(document, self.model.now().mono, self._links)
         self._show_lines(robots or [self._nobody()])
 
     def _nobody(self) -> Tuple[str, ...]:
         text = tr("No robot is heard") if self.model.document else tr("Waiting for the core")
-        return (text, *("" for _ in COLUMNS[1:]))
+        return (text, *("" for _ in ROBOT_COLUMNS[1:]))
 
     def _show_lines(self, lines: List[Tuple[str, ...]]) -> None:
         self.table.setRowCount(len(lines))

@@ -31,8 +31,7 @@ from roah_rsbb.rqt.widgets import basic, phases
 from roah_rsbb.rqt.widgets.run_times import TimesWidget
 from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
 from roah_rsbb.wording import sheets, stop
-from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.said import tr_said
+from roah_rsbb.wording.language import tr, tr_later, tr_said
 
 REASON = tr_later("Reason for the stop")
 ASK_REASON = tr_later("Why was the run stopped? Press Enter to save")

@@ -12,10 +12,9 @@ from roah_rsbb.rqt.panels.panel import AnswerLine, Panel, ask
 from roah_rsbb.rqt.qt import QGridLayout, QHBoxLayout, QLabel, Qt
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.reload_dialog import ReloadDialog
-from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.said import tr_said
-from roah_rsbb.wording.whole_box import ending
-from roah_rsbb.wording.whole_box.state import FACTS, facts
+from roah_rsbb.wording import whole_box
+from roah_rsbb.wording.language import tr, tr_later, tr_said
+from roah_rsbb.wording.whole_box import BOX_FACTS, box_facts
 
 RELOAD = "reload"
 
@@ -35,7 +34,7 @@ class CoreStatusPanel(Panel):
         self.body.addWidget(self.notices, 1)
         grid = QGridLayout()
         self.values: List[QLabel] = []
-        for number, label in enumerate(FACTS):
+        for number, label in enumerate(BOX_FACTS):
             value = QLabel(textFormat=Qt.PlainText)
             value.setTextInteractionFlags(Qt.TextSelectableByMouse)
             self.values.append(basic.enlarged(value, 1.1))
@@ -67,7 +66,7 @@ class CoreStatusPanel(Panel):
         box = document.box
         status = [(tr_said(box.own_status), box.status != "OK")] if box.own_status else []
         self.notices.show_lines(status + [(tr_said(warning), True) for warning in box.warnings])
-        for value, text in zip(self.values, facts(document)):
+        for value, text in zip(self.values, box_facts(document)):
             value.setText(text)
             value.setEnabled(not self.model.is_old)
 
@@ -119,13 +118,13 @@ class CoreStatusPanel(Panel):
         if found.error:
             self._answer.show_outcome(tr("Exit"), found)
             return
-        runs = ending.running(map(self.model.zone_of, self.model.running_zones()))
+        runs = whole_box.runs_in_progress(map(self.model.zone_of, self.model.running_zones()))
         if found.result:
-            question, yes, text = tr(ending.QUESTION), tr(ending.YES), tr(ending.ENDS_ALL)
+            question, yes, text = tr(whole_box.END_QUESTION), tr(whole_box.END_NOW), tr(whole_box.ENDS_ALL)
         else:
             question, yes = tr("End this client?"), tr("End this client")
             text = tr("This ends only this referee's client. The core and its runs continue.")
-        in_progress = [tr(ending.RUNS, runs=runs)] if runs else []
+        in_progress = [tr(whole_box.END_RUNS, runs=runs)] if runs else []
         ask(self, question, "\n\n".join([text, *in_progress]), yes, self._exit)
 
     def _exit(self) -> None:

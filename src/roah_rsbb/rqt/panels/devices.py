@@ -25,9 +25,9 @@ from roah_rsbb.rqt.qt import (
     QWidget,
 )
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.wording import whole_box
 from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.whole_box import devices
-from roah_rsbb.wording.whole_box.devices import PERCENT, WAITING
+from roah_rsbb.wording.whole_box import PERCENT, UNCONFIRMED
 
 PAGE = 10
 # Width of a name in units of the desktop's font, the same in all rows.
@@ -43,7 +43,7 @@ class DeviceRow(QWidget):
 
     def __init__(self, device: str, change: Callable[[int], None]) -> None:
         super().__init__()
-        self.device, self.name = device, devices.name_of(device)
+        self.device, self.name = device, whole_box.device_name(device)
         self.change = change
         self.commands: List[basic.CommandButton] = []
         self.line = basic.flat(QHBoxLayout(self))
@@ -77,12 +77,13 @@ class TwoStateRow(DeviceRow):
         self.state = basic.Badge(1.3)
         self.state.setMinimumWidth(round(6 * basic.em()))
         self.line.addWidget(self.state, 1)
-        for text, value in devices.commands(device):
+        for text, value in whole_box.device_commands(device):
             self.add_command(text, value)
 
     def show_value(self, value: int, waiting: bool, off: Sequence[str]) -> None:
         tone = basic.OFF if off else basic.RUNNING if value else basic.IDLE
-        self.state.show_text(f"{devices.states_of(self.device)[bool(value)]}{WAITING if waiting else ''}", tone)
+        state = whole_box.device_states(self.device)[bool(value)]
+        self.state.show_text(f"{state}{UNCONFIRMED if waiting else ''}", tone)
         self.state.setEnabled(not off)
         self._allow(off)
 
@@ -118,7 +119,7 @@ class PercentageRow(DeviceRow):
         self.number.setFocusPolicy(Qt.StrongFocus)
         self.state = QLabel()
         self.state.setMinimumWidth(round(1.2 * basic.em()))
-        lowest, highest = devices.commands(device)
+        lowest, highest = whole_box.device_commands(device)
         self.add_command(*lowest)
         self.line.addWidget(self.slider, 1)
         self.add_command(*highest)
@@ -134,7 +135,7 @@ class PercentageRow(DeviceRow):
         return self.slider.isSliderDown() or (self.number.hasFocus() and self.number.lineEdit().isModified())
 
     def show_value(self, value: int, waiting: bool, off: Sequence[str]) -> None:
-        self.state.setText(WAITING.strip() if waiting else "")
+        self.state.setText(UNCONFIRMED.strip() if waiting else "")
         if not self.is_edited():
             self._put(value)
         for widget in (self.slider, self.number):
@@ -181,7 +182,7 @@ class DevicesPanel(Panel):
         self._lines = QVBoxLayout(inside)
         edge = round(0.3 * basic.em())  # for the frame of the focus
         self._lines.setContentsMargins(edge, edge, edge, edge)
-        for device, states in devices.DEVICES.items():
+        for device, states in whole_box.DEVICES.items():
             row = (PercentageRow if states is None else TwoStateRow)(device, partial(self._change, device))
             self.rows[device] = row
             self._lines.addWidget(row)
@@ -196,10 +197,10 @@ class DevicesPanel(Panel):
 
     def _bell_line(self) -> QHBoxLayout:
         line = QHBoxLayout()
-        title = basic.enlarged(QLabel(tr(devices.BELL)), 1.3, bold=True)
+        title = basic.enlarged(QLabel(tr(whole_box.BELL)), 1.3, bold=True)
         title.setMinimumWidth(round(NAME_EMS * basic.em()))
         self.bell = basic.Badge(1.3)
-        self.ring = basic.CommandButton(tr(devices.RING), tr("Ring the bell"), 1.2)
+        self.ring = basic.CommandButton(tr(whole_box.RING), tr("Ring the bell"), 1.2)
         self.ring.clicked.connect(self._ring)
         line.addWidget(title)
         line.addWidget(self.bell, 1)
@@ -232,14 +233,14 @@ class DevicesPanel(Panel):
             self.reason.setText(self.model.why_no_devices)
         else:
             is_connected = status is not None and status.connected
-            text, reason = devices.controller_text(is_connected, "" if status is None else status.text)
+            text, reason = whole_box.controller_text(is_connected, "" if status is None else status.text)
             text, tone = (text, basic.RUNNING) if is_connected else (f"⚠ {text}", basic.OLD)
             self.connection.show_text(text, tone)
             self.reason.setText(reason)
 
     def _show_bell(self, rang_s: float) -> None:
         now = self.model.box_time() or time.time()
-        text, rings = devices.bell_text(rang_s, now, self.client.moments)
+        text, rings = whole_box.bell_text(rang_s, now, self.client.moments)
         self.bell.setToolTip(self.client.moments.tip(rang_s) if rang_s else "")
         self.bell.show_text(text, basic.OLD if rings else basic.OFF)
 
@@ -256,7 +257,7 @@ class DevicesPanel(Panel):
         self.client.host.devices.set(self.client.calls, self, device, value, partial(self._answered, device, value))
 
     def _answered(self, device: str, value: int, outcome: CallOutcome) -> None:
-        what = f"{self.rows[device].name}: {value}{'' if devices.DEVICES[device] else ' %'}"
+        what = f"{self.rows[device].name}: {value}{'' if whole_box.DEVICES[device] else ' %'}"
         self._answer.show_outcome(what, outcome)
         if outcome.error:
             self._edits.failed(device)
@@ -269,4 +270,4 @@ class DevicesPanel(Panel):
     def _ring(self) -> None:
         self.ring.hold()
         self.client.host.devices.set(
-            self.client.calls, self, RING, 1, lambda outcome: self._answer.show_outcome(tr(devices.BELL), outcome))
+            self.client.calls, self, RING, 1, lambda outcome: self._answer.show_outcome(tr(whole_box.BELL), outcome))

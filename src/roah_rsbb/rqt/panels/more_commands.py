@@ -33,8 +33,7 @@ from roah_rsbb.rqt.qt import (
 )
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.score_dialogs import FormDialog
-from roah_rsbb.wording.language import tr
-from roah_rsbb.wording.said import tr_reason, tr_said
+from roah_rsbb.wording.language import tr, tr_reason, tr_said
 
 # Actions that are laid out by hand: in Benchmark Control, the strip with STOP, Manual Operation, OMF Switches, and the
 # schedule of the box's page.

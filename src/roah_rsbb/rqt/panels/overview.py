@@ -21,8 +21,8 @@ from roah_rsbb.rqt.qt import (
 from roah_rsbb.rqt.widgets import basic, phases
 from roah_rsbb.rqt.widgets.run_times import known, marked, tone_of
 from roah_rsbb.wording import sheets
-from roah_rsbb.wording.clock import Clock, lines
 from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.times import Clock, clock_lines
 from roah_rsbb.wording.todo import Todo, Urgency, todo
 
 # Size of a tile at scale 1, in units of the desktop's font. A compact tile is lower.
@@ -112,7 +112,7 @@ class ZoneTile(QFrame):
         """Show the time and the phase; see `show_zone`."""
         figure = known(clock).main
         self.countdown.setText(f"({figure.text})" if old else marked(figure))
-        self.countdown.setToolTip(basic.tip("\n".join(lines(known(clock)))))
+        self.countdown.setToolTip(basic.tip("\n".join(clock_lines(known(clock)))))
         tone = None if old else tone_of(figure)
         basic.set_style(self.countdown, tone.css if tone else "")
         phase = phases.shown(zone, clock)

@@ -23,9 +23,9 @@ from roah_rsbb.rqt.qt import (
 )
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.marked_title import MarkedTitle
-from roah_rsbb.wording import sheets, superseded, times
+from roah_rsbb.wording import sheets, times, whole_box
 from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.replay import NOT_LIVE
+from roah_rsbb.wording.whole_box import REPLAY_NOT_LIVE
 
 SILENT = tr_later("The core is silent: this is its last known state")
 # Narrow: the STOP strip takes its height from the panels. In pixels: left, top, right, bottom.
@@ -247,11 +247,11 @@ class Panel(QWidget):
 
     def _show_news(self) -> None:
         if self.model.is_superseded:
-            self._news.show_text(f"⚠ {tr(superseded.NOT_LIVE)}", basic.OLD)
+            self._news.show_text(f"⚠ {tr(whole_box.SUPERSEDED_NOT_LIVE)}", basic.OLD)
         elif self.model.is_old:
             self._news.show_text(f"⚠ {times.silence(self.model.silence_s)}", basic.OLD)
         elif self.model.is_replay:
-            self._news.show_text(f"▶ {tr(NOT_LIVE)}", basic.OLD)
+            self._news.show_text(f"▶ {tr(REPLAY_NOT_LIVE)}", basic.OLD)
         else:
             self._news.show_text(tr("● live"), basic.OFF)
         self._news.setToolTip(basic.tip(self.model.why))

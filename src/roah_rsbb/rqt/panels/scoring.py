@@ -35,7 +35,7 @@ from roah_rsbb.rqt.widgets.sheet_view import SheetView
 from roah_rsbb.rqt.widgets.undo import PLACES, UNDO, UndoRow
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.module_scores import by_group
+from roah_rsbb.wording.sheets import scores_by_group
 from roah_rsbb.wording.times import NOTHING
 
 NO_RUN = tr_later("Scoring begins when a robot is connected.")
@@ -583,7 +583,7 @@ class ScoringPanel(Panel):
 
 def _scores_html(scores: Sequence[ScoreValue]) -> str:
     rows = []
-    for group, lines in by_group(scores):
+    for group, lines in scores_by_group(scores):
         rows.append(f'<tr><td colspan="2"><b>{html.escape(group)}</b></td></tr>')
         rows += [
             f"<tr><td>{html.escape(line.name)}&nbsp;&nbsp;</td><td><b>{html.escape(line.value)}</b></td></tr>"

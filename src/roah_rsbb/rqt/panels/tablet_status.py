@@ -6,7 +6,7 @@ from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.qt import QFormLayout, QLabel, Qt
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.whole_box.state import TABLET, tablet
+from roah_rsbb.wording.whole_box import TABLET_FACTS, tablet_facts
 
 
 class TabletStatusPanel(Panel):
@@ -22,7 +22,7 @@ class TabletStatusPanel(Panel):
         form = QFormLayout()
         form.setRowWrapPolicy(QFormLayout.WrapLongRows)
         self.values: List[QLabel] = []
-        for label in TABLET:
+        for label in TABLET_FACTS:
             self.values.append(basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), 1.2))
             form.addRow(tr(label), self.values[-1])
         self.body.addLayout(form)
@@ -36,7 +36,7 @@ class TabletStatusPanel(Panel):
         if self.model.box is None:
             return
         moments = self.client.moments
-        for value, (text, utc_s) in zip(self.values, tablet(self.model.box.tablet, self.model.now(), moments)):
+        for value, (text, utc_s) in zip(self.values, tablet_facts(self.model.box.tablet, self.model.now(), moments)):
             value.setText(text)
             value.setToolTip(moments.tip(utc_s) if utc_s else "")
             value.setEnabled(not self.model.is_old)

@@ -2,13 +2,13 @@
 
 from roah_rsbb.rqt.qt import QWidget
 from roah_rsbb.wording.language import tr
-from roah_rsbb.wording.replay import MARK
+from roah_rsbb.wording.whole_box import REPLAY
 
 
 class MarkedTitle:
     """Puts a mark in front of the title of a window, such as that of a replay, and removes it again."""
 
-    def __init__(self, window: QWidget, mark: str = MARK) -> None:
+    def __init__(self, window: QWidget, mark: str = REPLAY) -> None:
         self._window = window
         self._mark = f"{tr(mark)} – "
         self._is_marked = False

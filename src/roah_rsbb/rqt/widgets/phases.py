@@ -5,7 +5,7 @@ from typing import NamedTuple, Optional
 from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, RUNNING, ZoneSeen
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording import sheets
-from roah_rsbb.wording.clock import Clock
+from roah_rsbb.wording.times import Clock
 
 
 class PhaseLook(NamedTuple):

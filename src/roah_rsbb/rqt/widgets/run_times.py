@@ -4,8 +4,8 @@ from typing import Optional
 
 from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, Qt, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.wording.clock import Clock, Figure, Hurry
 from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.times import Clock, Figure, Hurry
 
 # How the last seconds look. Those of the last 10 s have marks, words and a frame: they stand out without colour.
 _TONES = {Hurry.NO: None, Hurry.SOON: basic.OLD, Hurry.LAST: basic.ALARM}

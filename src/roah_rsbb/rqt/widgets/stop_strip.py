@@ -37,8 +37,8 @@ from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.basic import HoldButton
 from roah_rsbb.wording import stop as ways
 from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.replay import NO_COMMANDS
 from roah_rsbb.wording.todo import Urgency, todo
+from roah_rsbb.wording.whole_box import REPLAY_NO_COMMANDS
 
 STOP = tr_later("■ STOP")
 STOP_ALL = tr_later("■ STOP ALL")
@@ -289,7 +289,7 @@ class StopStrip(QWidget):
         if is_done:
             return text_of(sent[0])[0], basic.RUNNING
         if self._model.is_replay:
-            return tr(NO_COMMANDS), basic.OFF
+            return tr(REPLAY_NO_COMMANDS), basic.OFF
         if self._model.document is not None and self._model.is_old:
             return self._model.why_old(tr("The core is silent. STOP is sent until it answers")), basic.OLD
         if self.stop.zone:

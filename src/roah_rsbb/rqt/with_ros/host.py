@@ -16,8 +16,7 @@ from roah_rsbb.rqt.with_ros.feed import Feed
 from roah_rsbb.rqt.with_ros.node import WindowNode
 from roah_rsbb.rqt.with_ros.zone_parameter import ZoneParameter
 from roah_rsbb.srv import Bool, Percentage
-from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.said import tr_said
+from roah_rsbb.wording.language import tr, tr_later, tr_said
 
 SHUTDOWN = "roah_rsbb_shutdown"
 # A parameter in the client's namespace (launch/roah_rsbb_client.launch).

@@ -19,7 +19,7 @@ from roah_rsbb.tools.competition import files
 from roah_rsbb.tools.competition.plan import local_zone, planned_s
 from roah_rsbb.tools.competition.rulebooks import STANDINGS
 from roah_rsbb.wording import times
-from roah_rsbb.wording.suggestions import did_you_mean
+from roah_rsbb.wording.texts import did_you_mean
 
 # Arguments of the launch file that name files of the folder.
 _NAMED_FILES = {

@@ -18,7 +18,7 @@ from roah_rsbb.rulebook.yaml_fields import describe, fields, text
 from roah_rsbb.rulebook.yaml_lines import Mapping as MapNode
 from roah_rsbb.rulebook.yaml_lines import Node, Scalar, Unusable, read_yaml
 from roah_rsbb.rulebook.yaml_lines import Sequence as SequenceNode
-from roah_rsbb.wording.suggestions import did_you_mean
+from roah_rsbb.wording.texts import did_you_mean
 
 BENCHMARKS, STANDINGS, RULEBOOK = "benchmarks.yaml", "standings.yaml", "rulebook.yaml"
 FOLDER = "rulebooks"

@@ -19,7 +19,7 @@ from roah_rsbb.rulebook.yaml_fields import integer, text
 from roah_rsbb.rulebook.yaml_lines import Scalar
 from roah_rsbb.tools.competition.answers import benchmark_code, team_name
 from roah_rsbb.tools.competition.plan import Plan, PlannedRun, PlannedZone, VenueClock, for_all, read_day, read_time
-from roah_rsbb.wording.suggestions import did_you_mean, nearest
+from roah_rsbb.wording.texts import did_you_mean, nearest
 
 REQUIRED = ("zone", "benchmark", "team", "date", "time")
 OPTIONAL = ("round", "run")

@@ -17,13 +17,10 @@ from roah_rsbb.protocol import wire_seconds
 from roah_rsbb.web.documents import Data
 from roah_rsbb.web.pairing import JUDGE, Grant
 from roah_rsbb.web.zone_documents import clock_page, is_urgent, run_name, sheet_page
-from roah_rsbb.wording import schedule, sheets, stop, times, todo
-from roah_rsbb.wording.counting import with_counting
-from roah_rsbb.wording.language import tr
-from roah_rsbb.wording.module_scores import by_group
-from roah_rsbb.wording.said import tr_said
+from roah_rsbb.wording import schedule, sheets, stop, times, todo, whole_box
+from roah_rsbb.wording.language import tr, tr_said
+from roah_rsbb.wording.sheets import scores_by_group, with_counting
 from roah_rsbb.wording.times import Moments
-from roah_rsbb.wording.whole_box import devices, ending, robots, state
 
 OVERVIEW, SCHEDULE, ROBOTS, RUNS, LOG, BOX = "overview", "schedule", "robots", "runs", "log", "box"
 # The newest of each; of the schedule, those around the current events.
@@ -40,7 +37,7 @@ class PartShown(NamedTuple):
     zone: str  # the one that the device shows
     own: str  # the only one in which the device may act; empty: all
     now: Now
-    links: robots.LinkQuality
+    links: whole_box.LinkQuality
 
     @property
     def second(self) -> int:
@@ -128,7 +125,7 @@ def _event_name(event: EventSeen) -> str:
 
 
 def _robots(shown: PartShown) -> Data:
-    found = robots.rows(shown.document, shown.now.mono, shown.links)
+    found = whole_box.robot_rows(shown.document, shown.now.mono, shown.links)
     return {"hidden": max(0, len(found) - MAX_ROBOTS), "robots": found[:MAX_ROBOTS]}
 
 
@@ -163,7 +160,7 @@ def whole_sheet_page(sheet: RunSheet) -> Data:
         **sheet_page(sheet),
         "facts": [fact for fact in (times.elapsed(sheet.elapsed_s) if run.end_reason else "",
                                     ", ".join(sheet.robots)) if fact],
-        "module": [[f"{group}: {line.name}", line.value] for group, lines in by_group(sheet.module_scores)
+        "module": [[f"{group}: {line.name}", line.value] for group, lines in scores_by_group(sheet.module_scores)
                    for line in lines],
         "history": [
             {"number": entry.number, "is_withdrawn": entry.withdrawn_utc_s is not None,
@@ -201,10 +198,11 @@ def _box(shown: PartShown) -> Data:
     return {
         "status": tr_said(box.own_status), "is_ok": box.status == "OK",
         "warnings": [tr_said(text) for text in box.warnings],
-        "facts": [[tr(label), text] for label, text in zip(state.FACTS, state.facts(document))],
-        "runs": ending.running(document.zones.values()),
+        "facts": [[tr(label), text] for label, text in zip(whole_box.BOX_FACTS, whole_box.box_facts(document))],
+        "runs": whole_box.runs_in_progress(document.zones.values()),
         "tablet": [[tr(label), text] for label, (text, _) in zip(
-            state.TABLET, state.tablet(box.tablet, shown.now, _MOMENTS))] if box.tablet.heard else None,
+            whole_box.TABLET_FACTS, whole_box.tablet_facts(box.tablet, shown.now, _MOMENTS),
+        )] if box.tablet.heard else None,
     }
 
 
@@ -213,20 +211,20 @@ def _box(shown: PartShown) -> Data:
 
 def devices_page(seen: DevicesSeen, now_s: float) -> Data:
     """Return the home devices as the page shows them, at a moment in UTC seconds."""
-    found, (connection, reason) = seen.devices, devices.controller_text(seen.connected, seen.text)
-    bell, rings = devices.bell_text(wire_seconds(found.bell), now_s, _MOMENTS)
+    found, (connection, reason) = seen.devices, whole_box.controller_text(seen.connected, seen.text)
+    bell, rings = whole_box.bell_text(wire_seconds(found.bell), now_s, _MOMENTS)
     return {
         "connection": connection, "reason": reason, "is_connected": seen.connected,
-        "devices": [_device(name, int(getattr(found, name))) for name in devices.DEVICES],
-        "bell": {"device": RING, "name": tr(devices.BELL), "value": int(rings), "commands": [(tr(devices.RING), 1)],
+        "devices": [_device(name, int(getattr(found, name))) for name in whole_box.DEVICES],
+        "bell": {"device": RING, "name": tr(whole_box.BELL), "value": int(rings), "commands": [(tr(whole_box.RING), 1)],
                  "states": [bell] * 2},
     }
 
 
 def _device(name: str, value: int) -> Data:
     return {
-        "device": name, "name": devices.name_of(name), "value": value, "commands": devices.commands(name),
-        "states": devices.states_of(name),
+        "device": name, "name": whole_box.device_name(name), "value": value, "states": whole_box.device_states(name),
+        "commands": whole_box.device_commands(name),
     }
 
 

@@ -10,8 +10,7 @@ from roah_rsbb.web.pairing import ORGANISER
 from roah_rsbb.web.qr_code import modules_of
 from roah_rsbb.web.writing import OfOrganiser
 from roah_rsbb.wording.device import encryption_text, role_text
-from roah_rsbb.wording.language import tr
-from roah_rsbb.wording.said import tr_said
+from roah_rsbb.wording.language import tr, tr_said
 from roah_rsbb.wording.times import Moments
 
 

@@ -21,7 +21,7 @@ from roah_rsbb.web.pairing import Grant
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.web.store import Store
 from roah_rsbb.web.writing import COOKIE
-from roah_rsbb.wording import catalogues
+from roah_rsbb.wording import language
 from support.browser import Browser, Page
 from support.robots import RSBB_PORT
 from support.waiting import LIMIT_S, happened, wait_until
@@ -150,7 +150,7 @@ class FakeGateway:
         return asyncio.run_coroutine_threadsafe(run(), self._loop).result(LIMIT_S)
 
     def _open(self) -> WebServer:
-        languages = {path.stem: catalogues.translation(path.stem, catalogues.read(path))
+        languages = {path.stem: language.translation(path.stem, language.read_texts(path))
                      for path in (ROOT / "resource" / "languages").glob("*.ts")}
         store = Store(self, {**languages, LONG: _longer}, self.title)
         self.server = WebServer(self._loop, store, str(ROOT / "resource" / "web"), frozenset(), command=self._command)

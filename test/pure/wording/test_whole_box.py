@@ -1,7 +1,7 @@
 """How well a robot is heard."""
 
 from roah_rsbb.model.zone import LATELY_S
-from roah_rsbb.wording.whole_box.robots import SILENT, WINDOW_S, LinkQuality, text
+from roah_rsbb.wording.whole_box import SILENT, WINDOW_S, LinkQuality, link_text
 
 TICK_S = 0.1
 
@@ -32,7 +32,7 @@ def test_a_robot_that_sends_each_second_is_well_heard():
     watch = Watch()
     watch.pass_time(20.0)
     assert watch.longest() <= 1.1
-    assert text(watch.longest()) == "▮▮▮ good"
+    assert link_text(watch.longest()) == "▮▮▮ good"
 
 
 def test_a_gap_is_remembered_as_long_as_the_window_and_no_longer():
@@ -41,9 +41,9 @@ def test_a_gap_is_remembered_as_long_as_the_window_and_no_longer():
     watch.pass_time(2.5, None)
     watch.pass_time(5.0)
     assert 2.4 <= watch.longest() <= 3.6
-    assert "s" in text(watch.longest())
+    assert "s" in link_text(watch.longest())
     watch.pass_time(WINDOW_S)
-    assert text(watch.longest()) == "▮▮▮ good"
+    assert link_text(watch.longest()) == "▮▮▮ good"
 
 
 def test_pages_without_readers_look_less_often_but_remember_gaps():
@@ -58,9 +58,9 @@ def test_a_silence_that_lasts_counts_at_once():
     watch = Watch()
     watch.pass_time(5.0)
     watch.pass_time(4.0, None)
-    assert text(watch.longest()).startswith("▮▯▯ poor, ")
+    assert link_text(watch.longest()).startswith("▮▯▯ poor, ")
     watch.pass_time(8.0, None)
-    assert text(watch.longest()) == SILENT
+    assert link_text(watch.longest()) == SILENT
 
 
 def test_times_while_the_core_was_silent_are_unknown():
@@ -77,4 +77,4 @@ def test_a_robot_that_left_is_forgotten():
     watch.pass_time(3.0)
     watch.links.observe(watch.mono + TICK_S, {})
     assert watch.links.longest_silence_s("mbot") is None
-    assert text(None) == ""
+    assert link_text(None) == ""
