@@ -46,141 +46,6 @@
 <context>
     <name>roah_rsbb</name>
     <message>
-        <location filename="../../src/roah_rsbb/wording/clock.py"/>
-        <source>PAUSED</source>
-        <translation>PAUSIERT</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/clock.py"/>
-        <source>Time left after the stop: {time}</source>
-        <translation>Restzeit nach dem Stopp: {time}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/clock.py"/>
-        <source>Final time of the run</source>
-        <translation>Endzeit des Laufs</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/clock.py"/>
-        <source>Time limit of a goal</source>
-        <translation>Zeitlimit eines Ziels</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/clock.py"/>
-        <source>Time limit of the run</source>
-        <translation>Zeitlimit des Laufs</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/clock.py"/>
-        <source>no limit</source>
-        <translation>kein Limit</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/clock.py"/>
-        <source>Goal: time left</source>
-        <translation>Ziel: Restzeit</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/clock.py"/>
-        <source>Run: time used</source>
-        <translation>Lauf: benötigte Zeit</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/clock.py"/>
-        <source>Used: {time} of {limit}</source>
-        <translation>Verbraucht: {time} von {limit}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/clock.py"/>
-        <source>Run: time left</source>
-        <translation>Lauf: Restzeit</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/clock.py"/>
-        <source>Setup: time left</source>
-        <translation>Aufbau: Restzeit</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/clock.py"/>
-        <source>Setup: over by</source>
-        <translation>Aufbau: überzogen um</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/clock.py"/>
-        <source>Phase {number} of {count}, {name}</source>
-        <translation>Phase {number} von {count}, {name}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/clock.py"/>
-        <source>{phase}: time used</source>
-        <translation>{phase}: benötigte Zeit</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/clock.py"/>
-        <source>{phase}: time left</source>
-        <translation>{phase}: Restzeit</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/clock.py"/>
-        <source>{phase}: over by</source>
-        <translation>{phase}: überzogen um</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/counting.py"/>
-        <source>counts</source>
-        <translation>zählt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/counting.py"/>
-        <source>counts as 0</source>
-        <translation>zählt als 0</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/counting.py"/>
-        <source>is not over</source>
-        <translation>ist nicht beendet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/counting.py"/>
-        <source>does not count: never started</source>
-        <translation>zählt nicht: nie gestartet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/counting.py"/>
-        <source>no score: all robots at once</source>
-        <translation>keine Wertung: alle Roboter zugleich</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/counting.py"/>
-        <source>does not count: excluded</source>
-        <translation>zählt nicht: ausgenommen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/counting.py"/>
-        <source>does not count: not signed off</source>
-        <translation>zählt nicht: nicht abgeschlossen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/counting.py"/>
-        <source>does not count: a later attempt counts</source>
-        <translation>zählt nicht: ein späterer Versuch zählt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/counting.py"/>
-        <source>does not count: a better attempt counts</source>
-        <translation>zählt nicht: ein besserer Versuch zählt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/counting.py"/>
-        <source>does not count: a run of the team at this event counts</source>
-        <translation>zählt nicht: ein Lauf des Teams bei diesem Termin zählt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/counting.py"/>
-        <source>no score</source>
-        <translation>ohne Wertung</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Referee</source>
         <translation>Schiedsrichter</translation>
@@ -1266,106 +1131,6 @@
         <translation>optional</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>The robot prepares</source>
-        <translation>Der Roboter bereitet sich vor</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>The robot carries out its task</source>
-        <translation>Der Roboter führt seine Aufgabe aus</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>The referee is at work</source>
-        <translation>Die Schiedsrichter sind bei der Arbeit</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>The robot carries out the goal</source>
-        <translation>Der Roboter führt das Ziel aus</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>The robot drives to the waypoint</source>
-        <translation>Der Roboter fährt zum Wegpunkt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>Robot: {words}</source>
-        <translation>Roboter: {words}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>Event: {words}</source>
-        <translation>Ereignis: {words}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>Visitor: {words}</source>
-        <translation>Besuch: {words}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>Command: {words}</source>
-        <translation>Befehl: {words}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>The robot drives to waypoint {number}</source>
-        <translation>Der Roboter fährt zu Wegpunkt {number}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>The robot carries out goal {number}</source>
-        <translation>Der Roboter führt Ziel {number} aus</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>All robots carry out the task at the same time</source>
-        <translation>Alle Roboter führen die Aufgabe gleichzeitig aus</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>The robot waits for the start</source>
-        <translation>Der Roboter wartet auf den Start</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>The next goal follows</source>
-        <translation>Das nächste Ziel folgt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>The referee starts and stops the clock</source>
-        <translation>Die Schiedsrichter starten und stoppen die Uhr</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>The run is over</source>
-        <translation>Der Lauf ist zu Ende</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>Waypoints done: {number}</source>
-        <translation>Erledigte Wegpunkte: {number}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>Goals done: {number}</source>
-        <translation>Erledigte Ziele: {number}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>Waypoints reached: {number} of {all}</source>
-        <translation>Erreichte Wegpunkte: {number} von {all}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/explained.py"/>
-        <source>Goals completed: {number} of {all}</source>
-        <translation>Erreichte Ziele: {number} von {all}</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/wording/judging.py"/>
         <source>is judging</source>
         <translation>wertet noch</translation>
@@ -1502,21 +1267,6 @@
         <location filename="../../src/roah_rsbb/wording/language.py"/>
         <source>{whole}.{decimals}</source>
         <translation>{whole},{decimals}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/module_scores.py"/>
-        <source>Whole run</source>
-        <translation>Ganzer Lauf</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/module_scores.py"/>
-        <source>yes</source>
-        <translation>ja</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/module_scores.py"/>
-        <source>no</source>
-        <translation>nein</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/public.py"/>
@@ -1729,19 +1479,154 @@
         <translation>{weekday}, {day}. {month} {year}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/replay.py"/>
-        <source>REPLAY</source>
-        <translation>WIEDERGABE</translation>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>The robot prepares</source>
+        <translation>Der Roboter bereitet sich vor</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/replay.py"/>
-        <source>REPLAY: not live</source>
-        <translation>WIEDERGABE: nicht live</translation>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>The robot carries out its task</source>
+        <translation>Der Roboter führt seine Aufgabe aus</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/replay.py"/>
-        <source>This is a replay: commands have no effect</source>
-        <translation>Dies ist eine Wiedergabe: Befehle bewirken nichts</translation>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>The referee is at work</source>
+        <translation>Die Schiedsrichter sind bei der Arbeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>The robot carries out the goal</source>
+        <translation>Der Roboter führt das Ziel aus</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>The robot drives to the waypoint</source>
+        <translation>Der Roboter fährt zum Wegpunkt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Robot: {words}</source>
+        <translation>Roboter: {words}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Event: {words}</source>
+        <translation>Ereignis: {words}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Visitor: {words}</source>
+        <translation>Besuch: {words}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Command: {words}</source>
+        <translation>Befehl: {words}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>The robot drives to waypoint {number}</source>
+        <translation>Der Roboter fährt zu Wegpunkt {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>The robot carries out goal {number}</source>
+        <translation>Der Roboter führt Ziel {number} aus</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>All robots carry out the task at the same time</source>
+        <translation>Alle Roboter führen die Aufgabe gleichzeitig aus</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>The robot waits for the start</source>
+        <translation>Der Roboter wartet auf den Start</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>The next goal follows</source>
+        <translation>Das nächste Ziel folgt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>The referee starts and stops the clock</source>
+        <translation>Die Schiedsrichter starten und stoppen die Uhr</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>The run is over</source>
+        <translation>Der Lauf ist zu Ende</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Waypoints done: {number}</source>
+        <translation>Erledigte Wegpunkte: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Goals done: {number}</source>
+        <translation>Erledigte Ziele: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Waypoints reached: {number} of {all}</source>
+        <translation>Erreichte Wegpunkte: {number} von {all}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Goals completed: {number} of {all}</source>
+        <translation>Erreichte Ziele: {number} von {all}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>The box does not hear the robot</source>
+        <translation>Die Box hört den Roboter nicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Next event: {benchmark} in zone {zone}, about {time}</source>
+        <translation>Nächster Termin: {benchmark} in Zone {zone}, etwa um {time}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>The box hears {robot}, last {seconds} s ago</source>
+        <translation>Die Box hört {robot}, zuletzt vor {seconds} s</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Its clock is {seconds} s ahead of the box</source>
+        <translation>Seine Uhr geht gegenüber der Box {seconds} s vor</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Its clock is {seconds} s behind the box</source>
+        <translation>Seine Uhr geht gegenüber der Box {seconds} s nach</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>In zone {zone}, connect is off: {reasons}</source>
+        <translation>In Zone {zone} ist das Verbinden nicht möglich: {reasons}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>In zone {zone}, the robot can be connected now</source>
+        <translation>In Zone {zone} kann der Roboter jetzt verbunden werden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>In zone {zone}, the robot is connected. No message of it has come yet</source>
+        <translation>In Zone {zone} ist der Roboter verbunden. Noch ist keine Nachricht von ihm gekommen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>In zone {zone}, the robot is connected. Its state: {state}. Last message {seconds} s ago</source>
+        <translation>In Zone {zone} ist der Roboter verbunden. Sein Zustand: {state}. Letzte Nachricht vor {seconds} s</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>less than 2</source>
+        <translation>weniger als 2</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/schedule.py"/>
@@ -1986,6 +1871,16 @@
         <source>no name</source>
         <translation>ohne Namen</translation>
     </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>yes</source>
+        <translation>ja</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>no</source>
+        <translation>nein</translation>
+    </message>
     <message numerus="yes">
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>({n} not attempted)</source>
@@ -2018,6 +1913,66 @@
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>{withdrawn}, a correction</source>
         <translation>{withdrawn}, eine Korrektur</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>counts</source>
+        <translation>zählt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>counts as 0</source>
+        <translation>zählt als 0</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>is not over</source>
+        <translation>ist nicht beendet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>does not count: never started</source>
+        <translation>zählt nicht: nie gestartet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>no score: all robots at once</source>
+        <translation>keine Wertung: alle Roboter zugleich</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>does not count: excluded</source>
+        <translation>zählt nicht: ausgenommen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>does not count: not signed off</source>
+        <translation>zählt nicht: nicht abgeschlossen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>does not count: a later attempt counts</source>
+        <translation>zählt nicht: ein späterer Versuch zählt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>does not count: a better attempt counts</source>
+        <translation>zählt nicht: ein besserer Versuch zählt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>does not count: a run of the team at this event counts</source>
+        <translation>zählt nicht: ein Lauf des Teams bei diesem Termin zählt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>no score</source>
+        <translation>ohne Wertung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Whole run</source>
+        <translation>Ganzer Lauf</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/stop.py"/>
@@ -2090,74 +2045,14 @@
         <translation>{robots}: keine Antwort auf STOPP. Nach dem Trennen wiederholt die Box STOPP nicht: Halten Sie zuerst von Hand an</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/suggestions.py"/>
+        <location filename="../../src/roah_rsbb/wording/texts.py"/>
         <source>: did you mean &apos;{choice}&apos;?</source>
         <translation>: Meinten Sie „{choice}“?</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/suggestions.py"/>
+        <location filename="../../src/roah_rsbb/wording/texts.py"/>
         <source>: there is {choices}</source>
         <translation>: Es gibt {choices}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/superseded.py"/>
-        <source>superseded: not live</source>
-        <translation>abgelöst: nicht live</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/superseded.py"/>
-        <source>Another box has taken over: commands have no effect here</source>
-        <translation>Eine andere Box hat übernommen: Befehle bewirken hier nichts</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
-        <source>The box does not hear the robot</source>
-        <translation>Die Box hört den Roboter nicht</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
-        <source>Next event: {benchmark} in zone {zone}, about {time}</source>
-        <translation>Nächster Termin: {benchmark} in Zone {zone}, etwa um {time}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
-        <source>The box hears {robot}, last {seconds} s ago</source>
-        <translation>Die Box hört {robot}, zuletzt vor {seconds} s</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
-        <source>Its clock is {seconds} s ahead of the box</source>
-        <translation>Seine Uhr geht gegenüber der Box {seconds} s vor</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
-        <source>Its clock is {seconds} s behind the box</source>
-        <translation>Seine Uhr geht gegenüber der Box {seconds} s nach</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
-        <source>In zone {zone}, connect is off: {reasons}</source>
-        <translation>In Zone {zone} ist das Verbinden nicht möglich: {reasons}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
-        <source>In zone {zone}, the robot can be connected now</source>
-        <translation>In Zone {zone} kann der Roboter jetzt verbunden werden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
-        <source>In zone {zone}, the robot is connected. No message of it has come yet</source>
-        <translation>In Zone {zone} ist der Roboter verbunden. Noch ist keine Nachricht von ihm gekommen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
-        <source>In zone {zone}, the robot is connected. Its state: {state}. Last message {seconds} s ago</source>
-        <translation>In Zone {zone} ist der Roboter verbunden. Sein Zustand: {state}. Letzte Nachricht vor {seconds} s</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/team_page.py"/>
-        <source>less than 2</source>
-        <translation>weniger als 2</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/times.py"/>
@@ -2289,6 +2184,86 @@
         <source>{day} {month}</source>
         <translation>{day}. {month}</translation>
     </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>PAUSED</source>
+        <translation>PAUSIERT</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>Time left after the stop: {time}</source>
+        <translation>Restzeit nach dem Stopp: {time}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>Final time of the run</source>
+        <translation>Endzeit des Laufs</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>Time limit of a goal</source>
+        <translation>Zeitlimit eines Ziels</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>Time limit of the run</source>
+        <translation>Zeitlimit des Laufs</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>no limit</source>
+        <translation>kein Limit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>Goal: time left</source>
+        <translation>Ziel: Restzeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>Run: time used</source>
+        <translation>Lauf: benötigte Zeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>Used: {time} of {limit}</source>
+        <translation>Verbraucht: {time} von {limit}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>Run: time left</source>
+        <translation>Lauf: Restzeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>Setup: time left</source>
+        <translation>Aufbau: Restzeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>Setup: over by</source>
+        <translation>Aufbau: überzogen um</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>Phase {number} of {count}, {name}</source>
+        <translation>Phase {number} von {count}, {name}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>{phase}: time used</source>
+        <translation>{phase}: benötigte Zeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>{phase}: time left</source>
+        <translation>{phase}: Restzeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>{phase}: over by</source>
+        <translation>{phase}: überzogen um</translation>
+    </message>
     <message numerus="yes">
         <location filename="../../src/roah_rsbb/wording/todo.py"/>
         <source>⚠ {n} more</source>
@@ -2338,207 +2313,47 @@
         <translation>Warten: {reasons}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
-        <source>ON</source>
-        <translation>AN</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
-        <source>Turn off</source>
-        <translation>Aus</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
-        <source>Turn on</source>
-        <translation>Ein</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
-        <source>closed</source>
-        <translation>zu</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
-        <source>OPEN</source>
-        <translation>OFFEN</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
-        <source>Open</source>
-        <translation>Öffnen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
-        <source>Dimmer</source>
-        <translation>Dimmer</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
-        <source>Blinds</source>
-        <translation>Jalousie</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
-        <source>Door</source>
-        <translation>Tür</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
-        <source>Bell</source>
-        <translation>Klingel</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
-        <source>♪ Ring</source>
-        <translation>♪ Klingeln</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
-        <source>What you set here takes effect when the controller is connected again.</source>
-        <translation>Was Sie hier einstellen, wirkt, sobald die Steuerung wieder verbunden ist.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
-        <source>this box controls no home devices: start it with devices:=true</source>
-        <translation>Diese Box steuert keine Geräte der Wohnung: Starten Sie sie mit devices:=true</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
-        <source>Switch {number}</source>
-        <translation>Schalter {number}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
-        <source>Last ring: {time}</source>
-        <translation>Zuletzt geklingelt: {time}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/devices.py"/>
-        <source>♪ RINGS</source>
-        <translation>♪ KLINGELT</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
-        <source>End the whole RSBB?</source>
-        <translation>Die ganze RSBB beenden?</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
-        <source>End the RSBB</source>
-        <translation>RSBB beenden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
-        <source>This ends the core and everything started with it, for all referees.</source>
-        <translation>Das beendet den Core und alles, was mit ihm gestartet wurde, für alle Schiedsrichter.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
-        <source>Runs in progress: {runs}</source>
-        <translation>Laufende Läufe: {runs}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
-        <source>Runs in progress: {runs}. End the box when they are over, or confirm that it is to end now: they continue when it is started again</source>
-        <translation>Laufende Läufe: {runs}. Beenden Sie die Box, wenn sie vorbei sind, oder bestätigen Sie, dass sie jetzt enden soll: Die Läufe gehen weiter, wenn sie wieder gestartet wird</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/ending.py"/>
-        <source>No launch file started this box ({error}): end it where it was started, with Ctrl-C</source>
-        <translation>Diese Box wurde von keiner Launch-Datei gestartet ({error}): Beenden Sie sie dort, wo sie gestartet wurde, mit Strg+C</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
-        <source>Robot</source>
-        <translation>Roboter</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
-        <source>Link</source>
-        <translation>Verbindung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
-        <source>Clock skew</source>
-        <translation>Uhrabweichung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
-        <source>Run in zone</source>
-        <translation>Lauf in Zone</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
-        <source>Last heard</source>
-        <translation>Zuletzt gehört</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
-        <source>▮▮▮ good</source>
-        <translation>▮▮▮ gut</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
-        <source>▮▮▯ gaps</source>
-        <translation>▮▮▯ Lücken</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
-        <source>▮▯▯ poor</source>
-        <translation>▮▯▯ schlecht</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
-        <source>▯▯▯ silent</source>
-        <translation>▯▯▯ stumm</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
-        <source>Longest silence of the robot in the last {time:.0f} s. It sends every second.</source>
-        <translation>Längste Sendepause des Roboters in den letzten {time:.0f} s. Er sendet jede Sekunde.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/robots.py"/>
-        <source>The robot&apos;s clock minus the box&apos;s: + is ahead, - is behind</source>
-        <translation>Uhr des Roboters minus Uhr der Box: + geht vor, - geht nach</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>Broadcast to</source>
         <translation>Broadcast an</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>UDP port</source>
         <translation>UDP-Port</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>Running</source>
         <translation>Läufe</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Last heard</source>
+        <translation>Zuletzt gehört</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>Display</source>
         <translation>Anzeige</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>Last call</source>
         <translation>Letzter Ruf</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>Position</source>
         <translation>Position</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>Position received</source>
         <translation>Position gesetzt</translation>
     </message>
     <message numerus="yes">
-        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>{number} of {n} zones</source>
         <translation>
             <numerusform>{number} von {n} Zone</numerusform>
@@ -2546,29 +2361,214 @@
         </translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>⚠ silent</source>
         <translation>⚠ stumm</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>x {x:.2f} m, y {y:.2f} m</source>
         <translation>x {x:.2f} m, y {y:.2f} m</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>none</source>
         <translation>keine</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>Map</source>
         <translation>Karte</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box/state.py"/>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>Call button</source>
         <translation>Ruftaste</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Robot</source>
+        <translation>Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Link</source>
+        <translation>Verbindung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Clock skew</source>
+        <translation>Uhrabweichung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Run in zone</source>
+        <translation>Lauf in Zone</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>▮▮▮ good</source>
+        <translation>▮▮▮ gut</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>▮▮▯ gaps</source>
+        <translation>▮▮▯ Lücken</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>▮▯▯ poor</source>
+        <translation>▮▯▯ schlecht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>▯▯▯ silent</source>
+        <translation>▯▯▯ stumm</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Longest silence of the robot in the last {time:.0f} s. It sends every second.</source>
+        <translation>Längste Sendepause des Roboters in den letzten {time:.0f} s. Er sendet jede Sekunde.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>The robot&apos;s clock minus the box&apos;s: + is ahead, - is behind</source>
+        <translation>Uhr des Roboters minus Uhr der Box: + geht vor, - geht nach</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>ON</source>
+        <translation>AN</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Turn off</source>
+        <translation>Aus</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Turn on</source>
+        <translation>Ein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>closed</source>
+        <translation>zu</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>OPEN</source>
+        <translation>OFFEN</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Open</source>
+        <translation>Öffnen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Dimmer</source>
+        <translation>Dimmer</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Blinds</source>
+        <translation>Jalousie</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Door</source>
+        <translation>Tür</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Bell</source>
+        <translation>Klingel</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>♪ Ring</source>
+        <translation>♪ Klingeln</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>What you set here takes effect when the controller is connected again.</source>
+        <translation>Was Sie hier einstellen, wirkt, sobald die Steuerung wieder verbunden ist.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>this box controls no home devices: start it with devices:=true</source>
+        <translation>Diese Box steuert keine Geräte der Wohnung: Starten Sie sie mit devices:=true</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Switch {number}</source>
+        <translation>Schalter {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Last ring: {time}</source>
+        <translation>Zuletzt geklingelt: {time}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>♪ RINGS</source>
+        <translation>♪ KLINGELT</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>End the whole RSBB?</source>
+        <translation>Die ganze RSBB beenden?</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>End the RSBB</source>
+        <translation>RSBB beenden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>This ends the core and everything started with it, for all referees.</source>
+        <translation>Das beendet den Core und alles, was mit ihm gestartet wurde, für alle Schiedsrichter.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Runs in progress: {runs}</source>
+        <translation>Laufende Läufe: {runs}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Runs in progress: {runs}. End the box when they are over, or confirm that it is to end now: they continue when it is started again</source>
+        <translation>Laufende Läufe: {runs}. Beenden Sie die Box, wenn sie vorbei sind, oder bestätigen Sie, dass sie jetzt enden soll: Die Läufe gehen weiter, wenn sie wieder gestartet wird</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>No launch file started this box ({error}): end it where it was started, with Ctrl-C</source>
+        <translation>Diese Box wurde von keiner Launch-Datei gestartet ({error}): Beenden Sie sie dort, wo sie gestartet wurde, mit Strg+C</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>REPLAY</source>
+        <translation>WIEDERGABE</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>REPLAY: not live</source>
+        <translation>WIEDERGABE: nicht live</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>This is a replay: commands have no effect</source>
+        <translation>Dies ist eine Wiedergabe: Befehle bewirken nichts</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>superseded: not live</source>
+        <translation>abgelöst: nicht live</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Another box has taken over: commands have no effect here</source>
+        <translation>Eine andere Box hat übernommen: Befehle bewirken hier nichts</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/app/window.py"/>

@@ -29,7 +29,7 @@ class RunLine(NamedTuple):
     corrected: bool = False  # an item has changed since the run ended
     signed_utc_s: Optional[float] = None
     signed_by: str = ""
-    counts: str = ""  # whether it counts, and why or why not: a word of `wording.counting`
+    counts: str = ""  # whether it counts, and why or why not: a word of `wording.sheets`
 
 
 class HistoryEntry(NamedTuple):
@@ -188,7 +188,7 @@ class EventSeen(NamedTuple):
     score: Said = ""  # of that run; empty also while another attempt is in the zone
     signed_utc_s: Optional[float] = None  # None: not signed off
     signed_by: str = ""
-    counts: str = ""  # whether that run counts, see `wording.counting`
+    counts: str = ""  # whether that run counts, see `wording.sheets`
 
     @property
     def late_s(self) -> float:

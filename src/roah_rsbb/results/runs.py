@@ -40,7 +40,7 @@ class RunResult(NamedTuple):
     record: RunRecord
     robots: Tuple[RobotPart, ...]
     entries: Tuple[JournalEntry, ...]  # in order
-    counts: str = ""  # whether it counts: a word of `wording.counting`; empty: nobody asked
+    counts: str = ""  # whether it counts: a word of `wording.sheets`; empty: nobody asked
 
     def robot_at(self, port: Optional[int]) -> str:
         """The name of the robot with this port; empty if the run has only one robot."""

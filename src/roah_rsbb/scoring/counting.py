@@ -129,7 +129,7 @@ def _module_number(score: ScoreValue) -> Optional[Fraction]:
 
 
 class Why(enum.Enum):
-    """Why a run counts or not. Messages and exports have the values; `wording.counting` has the words."""
+    """Why a run counts or not. Messages and exports have the values; `wording.sheets` has the words."""
 
     COUNTS = "counts"
     ZERO = "counts_as_zero"  # the team did not appear or withdrew, and the rules give 0 for this

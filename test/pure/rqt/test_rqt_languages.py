@@ -16,7 +16,7 @@ LANGUAGES = sorted(path.stem for path in catalogues.FOLDER.glob("*.ts"))
 # What programs print or log, and errors of files. No window shows it.
 NOT_IN_WINDOWS = {
     "rqt/app/panel_list.py", "rqt/with_ros/gui.py", "rqt/with_ros/program.py", "rqt/qt.py", "rqt/language.py",
-    "wording/language.py", "wording/suggestions.py",
+    "wording/language.py", "wording/texts.py",
 }
 # Literals that look like texts: names of classes, keys and time zones, and what rospy and the core say.
 NOT_TEXTS = {
@@ -155,7 +155,7 @@ def test_unfinished_translations_are_shown_in_english(of_windows, tmp_path):
     path = tmp_path / "fr.ts"
     entries = [catalogues.Entry("stopped", "", ("",)), catalogues.Entry("no", "", ("non",))]
     catalogues.write(path, {catalogues.CONTEXT: entries})
-    assert of_windows.read(path) == {("roah_rsbb", "no"): ("non",)}
+    assert of_windows.read_texts(path) == {("roah_rsbb", "no"): ("non",)}
 
 
 # Shows a text and a button of Qt in the language of its environment; a German text must not reach what is written.
