@@ -88,8 +88,8 @@ def test_only_what_a_stop_needs_is_imported_before_it():
         [sys.executable, "-c", "import sys, roah_rsbb.referee.program\nprint(*sys.modules)"],
         stdout=subprocess.PIPE, text=True, check=True).stdout.split()
     assert {name for name in found if name.startswith("roah_rsbb.") and name.count(".") > 1} == {
-        "roah_rsbb.client.places", "roah_rsbb.referee.at_once", "roah_rsbb.referee.exits",
-        "roah_rsbb.referee.program"}
+        f"roah_rsbb.{name}" for name in (
+            "client.places", "ground.arguments", "referee.at_once", "referee.exits", "referee.program")}
     assert not {"tornado", "asyncio", "ssl", "subprocess", "xmlrpc", "logging"} & set(found)
 
 

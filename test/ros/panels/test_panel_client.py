@@ -42,7 +42,7 @@ from roah_rsbb.rqt.app.standalone import PanelWindow
 from roah_rsbb.rqt.app.window import Window
 from roah_rsbb.rqt.model import calls
 from roah_rsbb.rqt.model.client import RefereeClient
-from roah_rsbb.rqt.panels.active_robots import COLUMNS, ActiveRobotsPanel
+from roah_rsbb.rqt.panels.active_robots import ActiveRobotsPanel
 from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panels.log_display import LogDisplayPanel
 from roah_rsbb.rqt.panels.online_data import OnlineDataPanel
@@ -55,6 +55,7 @@ from roah_rsbb.rqt.widgets.focus_ring import FocusRing
 from roah_rsbb.rqt.widgets.reload_dialog import ReloadDialog
 from roah_rsbb.rqt.widgets.sheet_view import ARRANGEMENTS, SheetView
 from roah_rsbb.rqt.with_ros.host import HostWithRos
+from roah_rsbb.wording.whole_box import ROBOT_COLUMNS
 
 PLUGIN_XML = pathlib.Path(__file__).resolve().parents[3] / "plugin.xml"
 
@@ -206,7 +207,7 @@ class TestPanels(CoreCase):
                                        ["TestingTeam", "mbot", "+0.012 s", "Home A"]], "both robots are shown")
         self.core.zones["Home B"].all_robots = ["amigo of team AnotherTeam: ready"]
         wait_until(lambda: [line[3] for line in lines()] == ["Home B", "Home A"], "one of all robots at once is shown")
-        link = COLUMNS.index("Link")
+        link = ROBOT_COLUMNS.index("Link")
         wait_until(lambda: table.item(0, link).text() == "▮▮▮ good", "the link is good")
         self.core.heard_ago_s = 5.0
         wait_until(lambda: table.item(0, link).text().startswith("▮▯▯ poor, 5"), "it is poor")
