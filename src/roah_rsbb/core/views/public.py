@@ -189,8 +189,8 @@ def _outcomes(run: ZoneRun) -> List[Optional[OutcomeKind]]:
 
 
 def _doing(run: ZoneRun) -> str:
-    """Return what happens in a run now, as `wording.public.explained` knows it: `referee`, while the referee prepares the
-    next goal or notes what the robot did; `between`, until the next goal follows; `by_hand`, in a run without a robot."""
+    """Return what happens in a run now, as `wording.public` knows it: `referee`, while the referee prepares the
+    next goal or notes what the robot did; `between`, until the next goal follows; `by_hand`, without a robot."""
     if run.phase is not Phase.RUNNING:
         return "ended" if run.phase is Phase.ENDED else "waiting"
     if isinstance(run, FunctionalityRun):
