@@ -15,8 +15,8 @@ CONTENTS: Dict[str, Tuple[str, ...]] = {
     # A robot with ROS, and all that catkin generates.
     "comm": (
         "", "roah_rsbb/nodes/__init__.py", "roah_rsbb/nodes/team/", "roah_rsbb/ros/__init__.py",
-        "roah_rsbb/ros/command_line.py", "roah_rsbb/ros/connections.py", "roah_rsbb/ros/loop.py",
-        "roah_rsbb/ros/params.py", "roah_rsbb/ros/times.py", "roah_rsbb/msg/", "roah_rsbb/srv/",
+        "roah_rsbb/ros/connections.py", "roah_rsbb/ros/messages.py", "roah_rsbb/ros/node.py", "roah_rsbb/msg/",
+        "roah_rsbb/srv/",
         "launch/dummy_robot.launch", "launch/robot_comm.launch"),
     "check": (
         "roah_rsbb/bmbox/", "roah_rsbb/capture/", "roah_rsbb/check/", "roah_rsbb/core/", "roah_rsbb/model/",

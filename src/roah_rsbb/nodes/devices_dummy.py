@@ -19,8 +19,7 @@ from roah_rsbb.devices.dummy_server import DummyServer
 from roah_rsbb.ground.arguments import Parser
 from roah_rsbb.ground.params import BadParams
 from roah_rsbb.ros import connections
-from roah_rsbb.ros.loop import RosLoop
-from roah_rsbb.ros.params import NodeParams
+from roah_rsbb.ros.node import NodeParams, RosLoop
 from roah_rsbb.srv import Bool, BoolResponse
 
 NODE = "/roah_devices_dummy"

@@ -17,7 +17,7 @@ from rosgraph.network import parse_http_host_and_port
 from rosgraph.rosenv import DEFAULT_MASTER_PORT
 
 from roah_rsbb.ros import connections
-from roah_rsbb.ros.command_line import explain
+from roah_rsbb.ros.node import explain
 
 
 def main() -> None:

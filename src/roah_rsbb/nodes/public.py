@@ -23,9 +23,8 @@ import rospy
 
 from roah_rsbb.ground.params import BadParams
 from roah_rsbb.nodes.browser import addresses, answers, command, find, make_profile
-from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.display import Screen, screens
-from roah_rsbb.ros.params import NodeParams
+from roah_rsbb.ros.node import NodeParams, run_node
 from roah_rsbb.srv import UInt8, UInt8Response
 
 URL = "/roah_rsbb_web/url"  # the core's parameter

@@ -6,6 +6,7 @@ of the core's own code makes the messages from the states in the journal. Everyt
 core's services refuse every command.
 """
 
+import contextlib
 import os
 import sys
 import uuid
@@ -16,21 +17,21 @@ import rospy
 
 from roah_rsbb.box.box_door import BoxDoor
 from roah_rsbb.box.calls import BoxCalls
+from roah_rsbb.client.places import NotFound, read_place, write_place
 from roah_rsbb.ground.arguments import Parser, number
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import REPLAY as PREFIX
 from roah_rsbb.model.reason import Refused
-from roah_rsbb.nodes.core.door_place import OpenDoor
-from roah_rsbb.nodes.core.original_topics import OriginalTopics
-from roah_rsbb.nodes.core.services import CoreServices
+from roah_rsbb.nodes.core.original import CoreServices, OriginalTopics
 from roah_rsbb.nodes.replayed_box import CannotReplay, ReplayedBox, configuration, read_run
 from roah_rsbb.results.runs import NoSuchRun
 from roah_rsbb.ros import connections
-from roah_rsbb.ros.live_core import ANSWER_S, REPLAY, live_core
-from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.loop_services import LoopServices
+from roah_rsbb.ros.node import RosLoop
+from roah_rsbb.ros.places import ANSWER_S, REPLAY, live_core, place_of_node, publish_door
 from roah_rsbb.rulebook.errors import ConfigErrors
+from roah_rsbb.web.serving import ANY_HOST
 
 PERIOD_S = 0.1  # of the panels' messages, as in the core
 PUBLIC_EVERY = 5
@@ -64,6 +65,31 @@ def beside_a_core(node: str) -> str:
             "panels")
 
 
+class _OpenDoor:
+    """The door of a node that is no box, such as a replay."""
+
+    def __init__(self, door: BoxDoor) -> None:
+        self._door, self._place = door, place_of_node()
+
+    def open(self) -> None:
+        """Let clients in, and say where. Logs what prevents it: the original interface remains."""
+        host, path = self._place.bind, self._place.door_file
+        try:
+            port = self._door.open(host)
+            if path:
+                write_place(path, f"ws://{'127.0.0.1' if host == ANY_HOST else host}:{port}/door", self._door.token)
+            publish_door(self._place, port, self._door.token)
+        except OSError as error:
+            rospy.logerr("Panels cannot follow this box: %s", error)
+
+    def close(self) -> None:
+        """End all connections. The file goes, unless another box has written its own."""
+        self._door.close()
+        with contextlib.suppress(OSError, NotFound):
+            if self._place.door_file and read_place(self._place.door_file).token == self._door.token:
+                os.unlink(self._place.door_file)
+
+
 class ReplayNode:
     """Shows the moments of a run one after the other."""
 
@@ -80,7 +106,7 @@ class ReplayNode:
         calls = BoxCalls(box, self._event)
         self._door = BoxDoor(self._ros.loop, box, self._uuid, "", lambda: self._shown.now, dict, tuple, calls.named(),
                              lambda: None)
-        self._published = OpenDoor(self._door)
+        self._published = _OpenDoor(self._door)
         self._topics = OriginalTopics(self._ros, box, self._now, self._door.publish, PREFIX)
         CoreServices(box, LoopServices(self._ros.loop), calls)
 

@@ -17,7 +17,7 @@ import rospy
 from std_srvs.srv import Empty, EmptyResponse
 
 from roah_rsbb.ros import connections
-from roah_rsbb.ros.command_line import explain
+from roah_rsbb.ros.node import explain
 
 # Delay of the shutdown, so that the caller gets its answer.
 ANSWER_S = 0.2

@@ -1,6 +1,6 @@
 """Messages that come faster than they are taken."""
 
-from roah_rsbb.ros.newest import Newest
+from roah_rsbb.ros.node import Newest
 
 
 def test_the_newest_of_each_sender_is_taken_once():

@@ -2,7 +2,7 @@
 
 import pytest
 
-from roah_rsbb.ros import refusals
+from roah_rsbb.ros import messages
 
 RAISED = "service [/core/connect] responded with an error: "
 
@@ -16,12 +16,12 @@ RAISED = "service [/core/connect] responded with an error: "
     [],
 ])
 def test_every_reason_comes_back_whole(reasons):
-    sent = b"service cannot process request: " + refusals.error_text(reasons).encode()
-    assert refusals.reasons(RAISED + repr(sent)) == reasons
+    sent = b"service cannot process request: " + messages.error_text(reasons).encode()
+    assert messages.reasons(RAISED + repr(sent)) == reasons
 
 
 def test_a_single_reason_is_sent_unchanged():
-    assert refusals.error_text(["no zone 'Home'"]) == "no zone 'Home'"
+    assert messages.error_text(["no zone 'Home'"]) == "no zone 'Home'"
 
 
 @pytest.mark.parametrize("said, reason", [
@@ -33,11 +33,11 @@ def test_a_single_reason_is_sent_unchanged():
     ("b'broken", "b'broken"),
 ])
 def test_the_text_of_any_other_service_is_one_reason(said, reason):
-    assert refusals.was_answered(RAISED + said)
-    assert refusals.reasons(RAISED + said) == [reason]
+    assert messages.was_answered(RAISED + said)
+    assert messages.reasons(RAISED + said) == [reason]
 
 
 def test_a_service_that_is_missing_gave_no_reasons():
     raised = "service [/core/connect] unavailable"
-    assert not refusals.was_answered(raised)
-    assert refusals.reason(raised) == raised
+    assert not messages.was_answered(raised)
+    assert messages.reason(raised) == raised

@@ -4,7 +4,7 @@ import pytest
 
 genpy = pytest.importorskip("genpy")
 
-from roah_rsbb.ros.texts import MAX_LIST, MAX_TEXT, too_long  # noqa: E402  (only with ROS)
+from roah_rsbb.ros.messages import MAX_LIST, MAX_TEXT, too_long  # noqa: E402  (only with ROS)
 
 LONG = "x" * (MAX_TEXT + 1)
 

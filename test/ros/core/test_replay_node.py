@@ -21,7 +21,7 @@ from support.waiting import wait_until
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.model.document import REPLAY as PREFIX
 from roah_rsbb.model.document import Document
-from roah_rsbb.ros.live_core import REPLAY, live_core
+from roah_rsbb.ros.places import REPLAY, live_core
 
 REASON = ("This is a replay of HGTKMH, team Alpha, round 1, run 1: nothing here is live, and commands have no effect")
 

@@ -7,14 +7,14 @@ import rospy
 from support.waiting import wait_until
 
 from roah_rsbb.core.effects import SetDevice
-from roah_rsbb.nodes.core import device_calls
-from roah_rsbb.nodes.core.device_calls import DeviceCalls
+from roah_rsbb.nodes.core import devices
+from roah_rsbb.nodes.core.devices import DeviceCalls
 from roah_rsbb.srv import Bool, BoolResponse, Percentage, PercentageResponse
 
 
 class DeviceCallsTest(unittest.TestCase):
     def setUp(self) -> None:
-        self.addCleanup(setattr, device_calls, "ANSWER_TIMEOUT_S", device_calls.ANSWER_TIMEOUT_S)
+        self.addCleanup(setattr, devices, "ANSWER_TIMEOUT_S", devices.ANSWER_TIMEOUT_S)
         self.set_limit(60.0)
         self.reported = []
         self.calls = DeviceCalls(lambda wish, reason: self.reported.append((wish, reason)))
@@ -48,7 +48,7 @@ class DeviceCallsTest(unittest.TestCase):
     @staticmethod
     def set_limit(seconds: float) -> None:
         """How long calls from now on may take until they are reported."""
-        device_calls.ANSWER_TIMEOUT_S = seconds
+        devices.ANSWER_TIMEOUT_S = seconds
 
     def set(self, device: str, value: int) -> SetDevice:
         wish = SetDevice("zone", device, value)

@@ -22,7 +22,7 @@ from support.waiting import LIMIT_S, happened, wait_until
 from roah_rsbb.devices.devices import FILE
 from roah_rsbb.msg import DevicesState, DevicesStatus
 from roah_rsbb.nodes.core import devices
-from roah_rsbb.ros import refusals
+from roah_rsbb.ros import messages
 from roah_rsbb.srv import Bool, Percentage
 
 HOME = pathlib.Path(os.environ.get("ROS_HOME", os.path.expanduser("~/.ros")))
@@ -46,8 +46,8 @@ def call(name, kind=EmptySrv, *request):
     try:
         rospy.ServiceProxy(name, kind)(*request)
     except rospy.ServiceException as error:
-        assert refusals.was_answered(str(error)), str(error)
-        raise Refusal(refusals.reason(str(error))) from None
+        assert messages.was_answered(str(error)), str(error)
+        raise Refusal(messages.reason(str(error))) from None
 
 
 class DevicesCase(BoxCase):

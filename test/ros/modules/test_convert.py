@@ -26,8 +26,14 @@ from roah_rsbb.model.modules import (
 from roah_rsbb.model.scoring import ScoreGroup, ScoreKind, ScoringItem
 from roah_rsbb.msg import ModuleOutcome, ModuleRequest, ModuleRuns
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
-from roah_rsbb.nodes.core.score_convert import group_message, old_groups
-from roah_rsbb.nodes.modules.convert import modules_state_message, modules_state_of, runs_message, runs_of
+from roah_rsbb.nodes.modules.convert import (
+    group_message,
+    modules_state_message,
+    modules_state_of,
+    old_groups,
+    runs_message,
+    runs_of,
+)
 from roah_rsbb.scoring.book import RunBook
 
 GOAL = Request(

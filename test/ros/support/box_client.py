@@ -9,7 +9,7 @@ from std_msgs.msg import Empty
 from roah_rsbb.client.places import PARAM, DoorPlace, NotFound
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.msg import CoreToGui, CoreToPublic, Score, ZoneState
-from roah_rsbb.ros import refusals
+from roah_rsbb.ros import messages
 from roah_rsbb.srv import Zone as ZoneRequest
 from roah_rsbb.srv import ZoneScore
 from support.connections import wait_sends
@@ -122,9 +122,9 @@ class BoxClient(DoorClient):
         try:
             return rospy.ServiceProxy(name, kind)(*request)
         except rospy.ServiceException as error:
-            if not refusals.was_answered(str(error)):
+            if not messages.was_answered(str(error)):
                 raise NoAnswer(f"{name} did not answer: {error}") from None
-            raise Refusal(refusals.reason(str(error))) from None
+            raise Refusal(messages.reason(str(error))) from None
         finally:
             DoorClient._commanded = time.time()
 

@@ -17,7 +17,7 @@ from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.msg import Benchmark, BenchmarkState, GoalHGMF, GoalOMF
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.ros import refusals
+from roah_rsbb.ros import messages
 from roah_rsbb.srv import Override
 from support.box_case import NetworkCase
 from support.connections import wait_sends
@@ -206,8 +206,8 @@ class CommCase(NetworkCase):
         try:
             rospy.ServiceProxy(name, kind)(*request, **fields)
         except rospy.ServiceException as error:
-            assert refusals.was_answered(str(error)), f"{name} did not answer: {error}"
-            raise CommRefusal(refusals.reason(str(error))) from None
+            assert messages.was_answered(str(error)), f"{name} did not answer: {error}"
+            raise CommRefusal(messages.reason(str(error))) from None
 
     def override(self, number: int, state: int = STOP, **fields: Any) -> None:
         """Play the box."""

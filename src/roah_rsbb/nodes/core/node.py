@@ -44,7 +44,7 @@ class RosBridge(Bridge):
 
     is_there = True
     # Not imported: the box does not wait for rospy.
-    modules = (sys.executable, "-m", "roah_rsbb.nodes.modules.of_box")
+    modules = (sys.executable, "-m", "roah_rsbb.nodes.modules.tf_frames")
 
     def __init__(self, place: List[str]) -> None:
         """`place`: `NodePlace`."""
@@ -138,7 +138,7 @@ def main() -> None:
         params: Params = KnownParams(values)
     else:
         from roah_rsbb.nodes.core import ros_side
-        from roah_rsbb.ros.command_line import explain
+        from roah_rsbb.ros.node import explain
 
         explain(str(__doc__))
         ros_side.join(lifeline.wait)

@@ -6,7 +6,7 @@ The box runs already, and never waits for it: all of this is made in a thread, w
 import signal
 import threading
 import time
-from typing import Callable, List, Tuple
+from typing import Callable, List, Optional, Tuple
 
 import rosgraph
 import rospy
@@ -14,19 +14,19 @@ from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.box.program.program import BoxProgram
-from roah_rsbb.box.running import PERIOD_S
+from roah_rsbb.box.running import PERIOD_S, RunningBox
+from roah_rsbb.core.effects import SetDevice
+from roah_rsbb.core.modules import MAX_NODES
 from roah_rsbb.ground.loop import call_in_loop
 from roah_rsbb.model.reason import Refused
-from roah_rsbb.nodes.core.devices import NODE, DevicesInRos
-from roah_rsbb.nodes.core.door_place import NodePlace, place_of_node, publish_door, publish_param
-from roah_rsbb.nodes.core.original_topics import OriginalTopics, publish
-from roah_rsbb.nodes.core.other_nodes import OtherNodes
-from roah_rsbb.nodes.core.services import CoreServices
+from roah_rsbb.msg import DevicesState, DevicesStatus, ModuleRuns, ModulesState
+from roah_rsbb.nodes.core.devices import NODE, DeviceCalls, DevicesInRos, devices_of
+from roah_rsbb.nodes.core.original import CoreServices, OriginalTopics, publish
+from roah_rsbb.nodes.modules import convert
 from roah_rsbb.ros import connections
-from roah_rsbb.ros.live_core import CORE, wait_for_other_core
-from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.loop_services import LoopServices
-from roah_rsbb.ros.params import NodeParams
+from roah_rsbb.ros.node import Newest, NodeParams, RosLoop
+from roah_rsbb.ros.places import CORE, NodePlace, place_of_node, publish_door, publish_param, wait_for_other_core
 from roah_rsbb.wording.whole_box import NOT_LAUNCHED
 
 # Seconds between the messages for panels of the original, and for its public display.
@@ -84,8 +84,7 @@ class RosSide:
         self._public_due = 0.0  # monotonic (s)
         self._timeout = rospy.Publisher("/timeout", Empty, queue_size=1)
         self._listeners_until = loop.time() + LISTENERS_S
-        self.others = OtherNodes(ros, program.ring_bell)
-        self.others.open(running, devices.home is not None)
+        self.others = OtherNodes(ros, running, devices.home is not None, program.ring_bell)
         self._topics = OriginalTopics(ros, running.box, running.now, running.door.publish)
         self._services = call_in_loop(loop, lambda: LoopServices(loop, running.core.fence.check))
         CoreServices(running.box, self._services, running.calls)
@@ -101,7 +100,7 @@ class RosSide:
 
     def publish_places(self, place: List[str]) -> None:
         """Say at the master where the door is, and the pages when they are served."""
-        publish_door(NodePlace(*place), self._program.running.door, self._program.port)
+        publish_door(NodePlace(*place), self._program.port, self._program.running.door.token)
         for name, url in (("url", self._program.web.url), ("tablet_url", self._program.web.tablet_url)):
             publish_param(f"{PAGES}/{name}", url.result)
 
@@ -156,3 +155,48 @@ def end_launch() -> None:
         rospy.logerr("the launch could not be ended (%s): end it with Ctrl-C", error)
     else:
         interrupted.wait(END_LAUNCH_S)
+
+
+class OtherNodes:
+    """The topics of the other nodes. What they say becomes events of the box."""
+
+    def __init__(self, ros: RosLoop, running: RunningBox, has_devices: bool, on_bell: Callable[[], object]) -> None:
+        """`has_devices`: this box controls the home devices. `on_bell` is called in a thread of rospy when the bell of
+        another node rings."""
+        self._ros, self._running, self._box, self._event = ros, running, running.box, running.event
+        self._devices: Optional[DeviceCalls] = None
+        self._modules = Newest(ros.post, self._take_modules, MAX_NODES)
+        self._module_runs = rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True)
+        rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
+        if not has_devices:
+            self._devices = DeviceCalls(self._on_device_refused)
+            rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
+            rospy.Subscriber("/devices/bell", Empty, lambda _: on_bell(), queue_size=10)
+            rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
+
+    def set_device(self, wish: SetDevice) -> None:
+        """Carry out a robot's command for a home device."""
+        assert self._devices is not None, "another node controls the devices"
+        self._devices.set(wish)
+
+    def publish_module_runs(self) -> None:
+        """Publish the runs that have a benchmarking module."""
+        self._running.core.fence.check()
+        publish(self._module_runs, convert.runs_message(self._running.uuid, self._box.modules.runs()))
+
+    def _on_devices(self, message: DevicesState) -> None:
+        devices = devices_of(message)
+        self._ros.post(lambda: self._event(self._box.on_devices, devices))
+
+    def _on_devices_status(self, message: DevicesStatus) -> None:
+        self._ros.post(lambda: self._event(self._box.on_devices_status, message.connected, message.text))
+
+    def _on_device_refused(self, wish: SetDevice, reason: str) -> None:
+        self._ros.post(lambda: self._event(self._box.on_device_refused, wish.zone, wish.device, wish.value, reason))
+
+    def _take_modules(self, state: object) -> None:
+        self._event(self._box.modules.on_modules, state)
+
+    def _on_modules(self, message: ModulesState) -> None:
+        state = convert.modules_state_of(message)
+        self._modules.put(state.node, state)

@@ -2,9 +2,12 @@
 
 No message causes an exception: the data of modules is limited (`limits.py`), both before sending and on arrival.
 `HostedModule` limits the progress of its module before sending, so that an invalid value ends only that run.
+
+ZoneScoreGroup, which original panels read, only knows yes-or-no items and counts. There, other numbers appear as counts
+without their decimals, and 0 if they are negative; choices and ratings do not appear.
 """
 
-from typing import Iterable, Optional, Tuple
+from typing import Dict, Iterable, List, Optional, Sequence, Tuple
 
 from roah_rsbb.bmbox.host.limits import MAX_LIST, MAX_SCORES, checked_info, checked_state
 from roah_rsbb.model.modules import (
@@ -16,18 +19,35 @@ from roah_rsbb.model.modules import (
     RequestKind,
     RequestOutcome,
     RunForModule,
+    ScoreValue,
     Step,
 )
+from roah_rsbb.model.scoring import ScoreGroup, ScoreKind, ScoringItem
+from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.msg import ModuleInfo as ModuleInfoMsg
-from roah_rsbb.msg import ModuleOutcome, ModuleProgress, ModuleRequest, ModuleRun, ModuleRuns, ModuleStep
+from roah_rsbb.msg import (
+    ModuleOutcome,
+    ModuleProgress,
+    ModuleRequest,
+    ModuleRun,
+    ModuleRuns,
+    ModuleScore,
+    ModuleStep,
+    ZoneScoreGroup,
+)
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
-from roah_rsbb.nodes.core.score_convert import group_message, group_of, score_message, score_of
 
 _REQUEST_KINDS = {int(kind): kind for kind in RequestKind}
 _OUTCOME_KINDS = {int(kind): kind for kind in OutcomeKind}
 
 
 # -- from the modules -------------------------------------------------------------------------------
+_KINDS = {kind.word: kind for kind in ScoreKind}
+# How ZoneScoreGroup shows the types that it can show.
+_OLD_TYPES = {
+    ScoreKind.BOOL: ZoneScoreGroup.SCORING_BOOL, ScoreKind.UINT: ZoneScoreGroup.SCORING_UINT,
+    ScoreKind.INT: ZoneScoreGroup.SCORING_UINT, ScoreKind.DECIMAL: ZoneScoreGroup.SCORING_UINT,
+}
 
 
 def modules_state_message(state: ModulesState) -> ModulesStateMsg:
@@ -152,3 +172,45 @@ def _outcome_of(kind: OutcomeKind, message: ModuleOutcome) -> RequestOutcome:
         kind, message.values, message.result, message.executing_s, message.ended_utc, tuple(message.changed),
         message.damaged,
     )
+
+
+def group_message(group: ScoreGroup) -> ZoneScoreGroup:
+    """A group of the referee's scoring items."""
+    return _old_group(group.name, [(item.kind, item.desc, value) for item, value in group.items])
+
+
+def old_groups(items: Iterable[SheetItem]) -> List[ZoneScoreGroup]:
+    """A score sheet, group by group."""
+    groups: Dict[str, List[Tuple[ScoreKind, str, int]]] = {}
+    for item in items:
+        groups.setdefault(item.group, []).append((_KINDS[item.type], item.desc, item.value))
+    return [_old_group(name, group) for name, group in groups.items()]
+
+
+def _old_group(name: str, items: Sequence[Tuple[ScoreKind, str, int]]) -> ZoneScoreGroup:
+    shown = [item for item in items if item[0] in _OLD_TYPES]
+    return ZoneScoreGroup(
+        group_name=name,
+        types=bytes(_OLD_TYPES[kind] for kind, _, _ in shown),
+        descriptions=[desc for _, desc, _ in shown],
+        current_values=[max(0, value) for _, _, value in shown],
+    )
+
+
+def group_of(message: ZoneScoreGroup) -> ScoreGroup:
+    """A group of the referee's scoring items; items of unknown type are counts."""
+    kinds = {int(kind): kind for kind in ScoreKind}
+    return ScoreGroup(message.group_name, tuple(
+        (ScoringItem(message.group_name, desc, kinds.get(kind, ScoreKind.UINT)), value)
+        for kind, desc, value in zip(message.types, message.descriptions, message.current_values)
+    ))
+
+
+def score_message(score: ScoreValue) -> ModuleScore:
+    """A line of a module's score."""
+    return ModuleScore(*score)
+
+
+def score_of(message: ModuleScore) -> ScoreValue:
+    """A line of a module's score."""
+    return ScoreValue(message.group, message.name, message.value, message.unit, message.desc)

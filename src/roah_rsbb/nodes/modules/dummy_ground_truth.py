@@ -26,8 +26,7 @@ from roah_rsbb.ground.params import BadParams
 from roah_rsbb.model.modules import RunForModule
 from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.nodes.modules.convert import runs_of
-from roah_rsbb.ros.command_line import run_node
-from roah_rsbb.ros.params import NodeParams
+from roah_rsbb.ros.node import NodeParams, run_node
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 NOTHING = "nothing"

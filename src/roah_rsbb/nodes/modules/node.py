@@ -20,9 +20,7 @@ from roah_rsbb.msg import ModulesState as ModulesStateMsg
 from roah_rsbb.nodes.modules.convert import modules_state_message, runs_of
 from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
 from roah_rsbb.nodes.modules.tf_frames import TfFrames
-from roah_rsbb.ros.command_line import run_node
-from roah_rsbb.ros.loop import RosLoop
-from roah_rsbb.ros.params import NodeParams
+from roah_rsbb.ros.node import NodeParams, RosLoop, run_node
 
 # The last message is sent within milliseconds, unless a subscriber hangs.
 LEAVE_S = 1.0

@@ -1,7 +1,15 @@
-"""The frames of tf2, which a motion-capture system publishes, as `Frames`. `TfFrames` may be used from any thread."""
+"""The frames of tf2, which a motion-capture system publishes, as `Frames`. `TfFrames` may be used from any thread.
+
+As a program, it is the process with the benchmarking modules of a box with ROS: as without
+(`box/program/modules_process.py`), but its ground truth comes from tf. For that it is the node roah_rsbb_modules, as
+soon as the ROS master answers.
+"""
 
 import bisect
 import collections
+import os
+import signal
+import sys
 import threading
 import time
 from typing import Any, Deque, Dict, Iterable, List, Optional, Tuple
@@ -13,12 +21,15 @@ from tf2_msgs.msg import TFMessage
 from roah_rsbb.bmbox.framework.ground_truth import Pose3, yaw
 from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, GroundTruthConfig
 from roah_rsbb.bmbox.host.ground_truth_of_frames import KEPT_S, Frames, NotAtOnce, NoTransform
-from roah_rsbb.ros.times import ros_time
+from roah_rsbb.box.program import modules_process
+from roah_rsbb.ros import connections
+from roah_rsbb.ros.messages import ros_time
 
 # Number of remembered times of publication per frame; at 200 Hz as long as tf2 keeps frames.
 _STAMPS_KEPT = 2000
 # The time of static frames, and a request for the latest pose.
 _STATIC = rospy.Time()
+NAME = "roah_rsbb_modules"
 
 
 class _Stamps:
@@ -106,3 +117,18 @@ class TfFrames(Frames):
         place, turn, stamp = found.transform.translation, found.transform.rotation, found.header.stamp
         pose = Pose3(place.x, place.y, place.z, yaw((turn.x, turn.y, turn.z, turn.w)))
         return pose, None if stamp == _STATIC else stamp.to_sec()
+
+
+def _join() -> None:
+    connections.init_node(NAME, disable_signals=True)
+    rospy.on_shutdown(lambda: os.kill(os.getpid(), signal.SIGTERM))  # the box starts the next one
+
+
+def main() -> None:
+    """Run the modules until the box ends this process."""
+    threading.Thread(target=_join, name="ROS", daemon=True).start()
+    modules_process.main(sys.argv[1:], TfFrames)
+
+
+if __name__ == "__main__":
+    main()

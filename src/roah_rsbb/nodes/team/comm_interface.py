@@ -22,7 +22,7 @@ from roah_rsbb.nodes.team.generations import Types
 from roah_rsbb.protocol import PERCENTAGES, SWITCHES, RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
-from roah_rsbb.ros.times import ros_wire_time
+from roah_rsbb.ros.messages import ros_wire_time
 from roah_rsbb.rulebook.registry import DEVICES, OTHER, STRINGS, TABLET, GoalForm, ResultForm, profile_of
 from roah_rsbb.srv import Bool, Percentage, ResultHOPF, ResultHPPF, String
 

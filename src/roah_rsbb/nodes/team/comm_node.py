@@ -27,9 +27,7 @@ from roah_rsbb.protocol import WireTime
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.machine import IllegalEvent, override_goal_message, override_message
 from roah_rsbb.robot.runner import SessionRunner
-from roah_rsbb.ros.command_line import run_node
-from roah_rsbb.ros.loop import RosLoop
-from roah_rsbb.ros.params import NodeParams
+from roah_rsbb.ros.node import NodeParams, RosLoop, run_node
 from roah_rsbb.srv import Override, OverrideGoal, OverrideGoalResponse, OverrideResponse
 
 DEFAULT_KEY = "DefaultKey"

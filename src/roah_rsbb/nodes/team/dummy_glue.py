@@ -27,9 +27,7 @@ from roah_rsbb.protocol import PERCENTAGES
 from roah_rsbb.robot.dummy import PHASES, DummyOptions, DummyRobot
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
 from roah_rsbb.ros import connections
-from roah_rsbb.ros.command_line import explain
-from roah_rsbb.ros.loop import RosLoop
-from roah_rsbb.ros.params import NodeParams
+from roah_rsbb.ros.node import NodeParams, RosLoop, explain
 from roah_rsbb.rulebook.registry import GoalForm, ResultForm, profile_of
 from roah_rsbb.srv import Bool, Percentage, ResultHOPF, ResultHPPF, String
 

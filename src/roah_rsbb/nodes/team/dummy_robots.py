@@ -18,9 +18,7 @@ from roah_rsbb.nodes.team.dummy_glue import log_to_ros
 from roah_rsbb.robot.client import RobotClient
 from roah_rsbb.robot.dummy import DummyOptions, dummy_client
 from roah_rsbb.ros import connections
-from roah_rsbb.ros.command_line import explain
-from roah_rsbb.ros.loop import RosLoop
-from roah_rsbb.ros.params import NodeParams
+from roah_rsbb.ros.node import NodeParams, RosLoop, explain
 from roah_rsbb.rulebook.benchmarks import teams_of
 from roah_rsbb.rulebook.config import ConfigErrors, load
 

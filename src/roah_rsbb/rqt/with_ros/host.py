@@ -10,7 +10,7 @@ from roah_rsbb.model.messages import DevicesState
 from roah_rsbb.msg import DevicesState as DevicesStateMsg
 from roah_rsbb.msg import DevicesStatus as DevicesStatusMsg
 from roah_rsbb.protocol import PERCENTAGES
-from roah_rsbb.ros import refusals
+from roah_rsbb.ros import messages
 from roah_rsbb.rqt.model.calls import CallFailed, Calls, Done, missing
 from roah_rsbb.rqt.with_ros.feed import Feed
 from roah_rsbb.rqt.with_ros.node import WindowNode
@@ -115,7 +115,7 @@ def _called(call: Callable[[], object]) -> object:
         return call()
     except Exception as error:  # the referee reads any error beside the command
         raised = str(error)
-        raise CallFailed(failure_text(raised) or type(error).__name__, refusals.was_answered(raised)) from None
+        raise CallFailed(failure_text(raised) or type(error).__name__, messages.was_answered(raised)) from None
 
 
 # How rospy begins to say that it did not reach a service.
@@ -126,4 +126,4 @@ def failure_text(raised: str) -> str:
     """Return the reasons of a service, or what to check if there was no answer."""
     if raised.endswith("unavailable") or raised.startswith(_UNREACHED):
         return tr("no answer: {why} ({error})", why=missing(), error=raised)
-    return "; ".join(map(tr_said, refusals.reasons(raised)))
+    return "; ".join(map(tr_said, messages.reasons(raised)))

@@ -1,22 +1,33 @@
-"""Finds the core that runs at the ROS master: a second one would take its place, and clients would lose their box."""
+"""Where the box is in a ROS network: the core that runs at the ROS master, and how clients find its door.
 
+A second core would take the place of the first one, and clients would lose their box. The door is found in a file of
+the box's computer, and in a parameter (`client/places.py`).
+"""
+
+import logging
 import socket
 import sys
+import threading
 import time
 import xmlrpc.client
 from http.client import HTTPConnection, HTTPException
-from typing import Any, Callable, Optional
+from typing import Any, Callable, NamedTuple, Optional
 from xml.parsers.expat import ExpatError
 
 import rosgraph
 import rosgraph.names
 import rospy
 
+from roah_rsbb.client.places import PARAM, file_of
+
 GUI_TOPIC = "/core/to_gui"
 CORE = "roah_rsbb_core"  # name of the core's node
 REPLAY = "/roah_rsbb_replay"  # the node that shows an earlier run; it ends when a core starts
 ANSWER_S = 5.0
 LOOK_S = 1.0
+RETRY_S = 1.0
+
+_log = logging.getLogger(__name__)
 
 
 def live_core(name: str, answer_s: float, if_silent: bool, topic: str = GUI_TOPIC) -> Optional[str]:
@@ -94,3 +105,41 @@ def _publishes(master: rosgraph.Master, node: str, answer_s: float, if_silent: b
         return if_silent  # it hangs, or its network does, or this computer is very busy
     except (OSError, HTTPException, xmlrpc.client.Error, ExpatError, ValueError, TypeError, rosgraph.MasterException):
         return False
+
+
+class NodePlace(NamedTuple):
+    """Where a node serves, as its environment and its arguments say."""
+
+    bind: str
+    remote: str  # its name for other computers
+    door_file: str  # empty: the box has none, because its master is elsewhere, or has another box
+    address: str  # in addresses of web pages
+
+
+def place_of_node() -> NodePlace:
+    """Return that of this node. Call it after `rospy.init_node`. Looks the master's name up, which may take seconds."""
+    return NodePlace(rosgraph.network.get_bind_address(), rosgraph.network.get_host_name(),
+                     file_of(rosgraph.get_master_uri()) if rospy.resolve_name(PARAM) == PARAM else "",
+                     rosgraph.network.get_local_address())
+
+
+def publish_door(place: NodePlace, port: int, token: str) -> None:
+    """Set the parameter, in a thread."""
+    publish_param(PARAM, lambda: {"url": f"ws://{place.remote}:{port}/door", "token": token})
+
+
+def publish_param(name: str, value: Callable[[], object]) -> None:
+    """Set a parameter, until it succeeds. In a thread, because the master may hang. `value` may wait."""
+    def run() -> None:
+        said = ""
+        while not rospy.is_shutdown():
+            try:
+                rospy.set_param(name, value())
+                return
+            except Exception as error:  # one of those of a master
+                if str(error) != said:
+                    said = str(error)
+                    _log.error("Some panels cannot find this box, which tries again: %s", error)
+                time.sleep(RETRY_S)
+
+    threading.Thread(target=run, name=name, daemon=True).start()
