@@ -23,7 +23,7 @@ from roah_rsbb.copies.settings import CopySettings
 from roah_rsbb.ground.arguments import without_ros
 from roah_rsbb.journal import log
 from roah_rsbb.journal.contents import open_journal
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.standby.codes import make_code
 
 STANDBY_HOST = "127.0.0.3"
@@ -83,7 +83,7 @@ class Lag:
 
     def __init__(self, near: pathlib.Path, far: pathlib.Path) -> None:
         self.taken_ms: List[float] = []
-        self._near, self._far = (JournalSegments(str(folder / FILE_NAME)) for folder in (near, far))
+        self._near, self._far = (JournalSegments(str(folder / JOURNAL)) for folder in (near, far))
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._work, daemon=True)
         self._thread.start()
@@ -145,7 +145,7 @@ def paired_again_s(runs: int) -> float:
         near = JournalSegments(str(journal))
         began = time.monotonic()
         with standby(log_dir, passwords) as beside_it:
-            far = JournalSegments(str(beside_it.folder / FILE_NAME))
+            far = JournalSegments(str(beside_it.folder / JOURNAL))
             wait(lambda: _bytes(far) == _bytes(near), "the copy is complete", COPIED_S)
             return time.monotonic() - began
 

@@ -8,9 +8,9 @@ from typing import List, NamedTuple
 import results_speed  # noqa: F401  (where the tests' helpers are)
 
 from helpers.many_runs import write_journal
-from roah_rsbb.journal.batch import Batch, NewEntry
 from roah_rsbb.journal.contents import open_journal
-from roah_rsbb.journal.file import CoreSession, Resume
+from roah_rsbb.journal.log_dir import CoreSession, Resume
+from roah_rsbb.journal.records import Batch, NewEntry
 from roah_rsbb.journal.store import Journal
 
 SESSION = CoreSession(1e9, 1.0, "boot", 1, "uuid", "")

@@ -14,7 +14,7 @@ from processes import Box, wait
 from without_ros import BoxWithoutRos
 
 from roah_rsbb.ground.signs_of_life import began
-from roah_rsbb.journal.file import holder_of
+from roah_rsbb.journal.log_dir import holder_of
 from roah_rsbb.protocol import BoxState
 
 # After this time the box is considered dead.

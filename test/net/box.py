@@ -17,7 +17,7 @@ from support.programs import Program
 from support.waiting import wait_until
 
 from roah_rsbb.client.places import DoorPlaces, door_file_in, read_place
-from roah_rsbb.journal.file import holder_of
+from roah_rsbb.journal.log_dir import holder_of
 from roah_rsbb.journal.reader import JournalReader, journal_in
 from roah_rsbb.results.bags import missing_bags
 

@@ -26,7 +26,7 @@ from two_boxes import (
 )
 
 from box import WITH_ROS, WITHOUT_ROS
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.standby.program.network import NoAddress, give_back_address, take_address
 
 FOLDER = pathlib.Path(__file__).resolve().parents[2] / "build" / "net" / "pair"
@@ -373,4 +373,4 @@ def assert_marked(sheet: str) -> None:
 
 
 def _has(log_dir: pathlib.Path, text: str) -> bool:
-    return any(text.encode("utf-8") in segment.read_bytes() for segment in (log_dir / FILE_NAME).glob("*.log"))
+    return any(text.encode("utf-8") in segment.read_bytes() for segment in (log_dir / JOURNAL).glob("*.log"))

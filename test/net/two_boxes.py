@@ -18,7 +18,7 @@ from support.programs import Program, own
 from support.waiting import happened, wait_until
 
 from box import WITH_ROS, WITHOUT_ROS
-from roah_rsbb.journal.file import FILE_NAME, holder_of
+from roah_rsbb.journal.log_dir import JOURNAL, holder_of
 from roah_rsbb.robot.effects import Problem
 
 BOX, STANDBY, WITNESS, FIRST_ROBOT = 1, 2, 3, 11
@@ -383,7 +383,7 @@ class Pair:
 
 def _sizes(log_dir: pathlib.Path) -> Dict[str, int]:
     """The bytes of the segments of a journal."""
-    return {segment.name: segment.stat().st_size for segment in (log_dir / FILE_NAME).glob("*.log")}
+    return {segment.name: segment.stat().st_size for segment in (log_dir / JOURNAL).glob("*.log")}
 
 
 def zone_of(team: str) -> str:

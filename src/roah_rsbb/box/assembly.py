@@ -19,8 +19,7 @@ from roah_rsbb.comm.peer import Peer
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.journal.file import CoreSession
-from roah_rsbb.journal.ports import PortRecord, begin_thread
+from roah_rsbb.journal.log_dir import CoreSession, PortRecord, begin_thread
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say

@@ -1,7 +1,7 @@
 """The configuration of a box: read at the start, and read again when an organiser changes it.
 
 Theory of operation. A changed file takes effect only when an organiser says so. Until then, and after a crash of the
-core, the box uses the contents that it read, which `journal.in_force` keeps. A new launch reads the files again.
+core, the box uses the contents that it read, which `journal/log_dir.py` keeps. A new launch reads the files again.
 Passwords are kept nowhere but in their file, so each start of the core reads that file.
 """
 
@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import ContextManager, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.ground import durable
-from roah_rsbb.journal.in_force import InForce, Texts, read_in_force, write_in_force
+from roah_rsbb.journal.log_dir import InForce, Texts, read_in_force, write_in_force
 from roah_rsbb.rulebook import config, event_ids
 from roah_rsbb.rulebook.benchmarks import Config, ZonePlan
 from roah_rsbb.rulebook.changes import changes, warnings

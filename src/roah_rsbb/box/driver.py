@@ -16,7 +16,7 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.continuing import Saved
 from roah_rsbb.core.effects import Effect, Level
-from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.journal.log_dir import PortRecord
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import NEVER, BoxMessage, RobotReport
 from roah_rsbb.model.records import EndReason, RunRecord

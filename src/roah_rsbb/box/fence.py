@@ -18,7 +18,7 @@ from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Address, Peer
 from roah_rsbb.ground.linux import running_s
 from roah_rsbb.journal import epochs
-from roah_rsbb.journal.ports import begin_thread
+from roah_rsbb.journal.log_dir import begin_thread
 from roah_rsbb.standby.pair import AWAY_S, SAY_S, Claim, Side, State, Word
 from roah_rsbb.standby.partners import BOX_FILE, FOLDER, PAIRED, Partner, partners_of
 from roah_rsbb.standby.words import seal, unseal

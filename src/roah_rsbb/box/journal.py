@@ -13,10 +13,9 @@ from roah_rsbb.core.continuing import BoxSaved, Saved
 from roah_rsbb.core.effects import BOX, Effect, Level
 from roah_rsbb.core.views.document import clock_of
 from roah_rsbb.core.zones import ZoneState, key_of
-from roah_rsbb.journal import epochs, kinds
-from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
-from roah_rsbb.journal.changes import ChangesWriter
-from roah_rsbb.journal.previous_session import PreviousSession
+from roah_rsbb.journal.contents import superseded_value
+from roah_rsbb.journal.log_dir import PreviousSession
+from roah_rsbb.journal.records import Batch, ChangesWriter, Kind, LinkRow, Member, NewEntry, OutcomeRow, RunRow
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model import run_log
 from roah_rsbb.model.clock import Now
@@ -177,7 +176,7 @@ class CoreJournal:
         clock = _clock_value(clock_of(zone.run, zone.event.benchmark, now), now.mono)
         change = written.changes.entry({"zone": state, "clock": clock})
         if change is not None:
-            self._add(now, _Place(name, written.identity), None, "", kinds.STATE, change)
+            self._add(now, _Place(name, written.identity), None, "", Kind.STATE, change)
 
     def place(self, port: int) -> _Place:
         """Return where the run of a robot is; its names are empty: there is none."""
@@ -221,19 +220,19 @@ class CoreJournal:
         self._places.pop(effect.port, None)
 
     def _aimed(self, now: Now, effect: effects.AimChannel) -> None:
-        self._add(now, self.place(effect.port), effect.port, effect.host, kinds.ADDRESS, effect.host)
+        self._add(now, self.place(effect.port), effect.port, effect.host, Kind.ADDRESS, effect.host)
 
     def _rung(self, now: Now, effect: effects.TimeoutRung) -> None:
-        self._add(now, self._place_of_zone(effect.zone), None, "", kinds.TIMEOUT, None)
+        self._add(now, self._place_of_zone(effect.zone), None, "", Kind.TIMEOUT, None)
 
     def _noticed(self, now: Now, effect: effects.Notice) -> None:
         if effect.zone and effect.level >= Level.WARNING:
             said = {"level": effect.level.name, "text": effect.text}
-            self._add(now, self._place_of_zone(effect.zone), None, "", kinds.NOTICE, said)
+            self._add(now, self._place_of_zone(effect.zone), None, "", Kind.NOTICE, said)
 
     def _superseded(self, now: Now, effect: effects.Superseded) -> None:
-        self._add(now, _Place("", ""), None, effect.by, kinds.EPOCH,
-                  epochs.superseded_value(effect.epoch, effect.cut, effect.by))
+        self._add(now, _Place("", ""), None, effect.by, Kind.EPOCH,
+                  superseded_value(effect.epoch, effect.cut, effect.by))
 
     def _recorded(self, now: Now, effect: effects.Recorded) -> None:
         self._add(now, _Place(effect.zone, effect.identity), effect.port, effect.who, effect.kind, effect.value)

@@ -9,7 +9,7 @@ from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.public import Publicity, PublicResults
 from roah_rsbb.ground.params import BadParams, Params
-from roah_rsbb.journal.file import Resume
+from roah_rsbb.journal.log_dir import Resume
 from roah_rsbb.results.standings import public_standings
 
 # How private channels send (parameter private_mode).

@@ -30,11 +30,11 @@ from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.sender import on_grid
 from roah_rsbb.core.copies import NO_PORT
 from roah_rsbb.core.effects import Level, SetDevice
+from roah_rsbb.ground.linux import boot_id
 from roah_rsbb.ground.loop import call_in_loop
 from roah_rsbb.ground.params import BadParams
 from roah_rsbb.ground.signs_of_life import Lifeline
-from roah_rsbb.journal.file import Lock, Resume, boot_id
-from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.journal.log_dir import Lock, PortRecord, Resume
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.clock import Now
 from roah_rsbb.rulebook.benchmarks import Config, Durable

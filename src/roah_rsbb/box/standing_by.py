@@ -5,7 +5,7 @@ import sys
 import time
 from typing import Any, Callable, Optional
 
-from roah_rsbb.journal.file import CannotWriteJournal, JournalInUse, Lock, lock
+from roah_rsbb.journal.log_dir import CannotWriteJournal, JournalInUse, Lock, lock
 from roah_rsbb.standby.partners import is_standby
 
 WAITING = "This computer is a standby: waiting for a takeover"

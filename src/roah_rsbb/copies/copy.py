@@ -5,11 +5,12 @@ import os
 import zlib
 from typing import Dict, Mapping, NamedTuple, Tuple
 
-from roah_rsbb.journal import in_force, log, ports
+from roah_rsbb.journal import log
+from roah_rsbb.journal import log_dir as log_dirs
 
 # What a restart needs besides the journal. The last file has the hashes of the keys of paired browsers.
 SESSIONS = "web_sessions.json"
-FILES = (ports.FILE_NAME, in_force.FILE_NAME, SESSIONS)
+FILES = (log_dirs.PORTS, log_dirs.CONFIGURATION, SESSIONS)
 # Bytes of a segment that are copied at once.
 PART_BYTES = 1 << 20
 

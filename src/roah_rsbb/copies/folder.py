@@ -25,8 +25,8 @@ from typing import Iterator, Optional, Set
 from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent, Held, Part, crc_of, intact_size
 from roah_rsbb.copies.segments import identity_in
 from roah_rsbb.ground import durable
-from roah_rsbb.journal import file as files
 from roah_rsbb.journal import log
+from roah_rsbb.journal import log_dir as log_dirs
 from roah_rsbb.model.reason import say
 
 _NOT_SYNCED = say("its disk failed to save what was written. It is written again, and what was there before stays "
@@ -76,14 +76,14 @@ class CopyFolder(Copy):
         """Raises `CannotWriteCopy`."""
         super().__init__()
         self._place = folder
-        self.path = self._final = os.path.join(folder, files.FILE_NAME)
+        self.path = self._final = os.path.join(folder, log_dirs.JOURNAL)
         self._certain = 0  # bytes of the newest segment that are noted to be on the disk
-        self._lock: Optional[files.Lock] = None
+        self._lock: Optional[log_dirs.Lock] = None
         with self._writing():
             if not os.path.isdir(folder):
                 raise CannotWriteCopy(_MISSING)
-            self._lock = files.lock(folder)
-            self._file = files.identity(f"{self.path}.lock")
+            self._lock = log_dirs.lock(folder)
+            self._file = log.identity(f"{self.path}.lock")
             try:
                 _finish_exchange(self._final)
                 self._open()
@@ -100,7 +100,7 @@ class CopyFolder(Copy):
 
     def check(self) -> None:
         """Raise `CannotWriteCopy` if the path no longer leads to this copy."""
-        if not os.path.isdir(self.path) or files.identity(f"{self._final}.lock") != self._file:
+        if not os.path.isdir(self.path) or log.identity(f"{self._final}.lock") != self._file:
             raise CannotWriteCopy(_REMOVED)
 
     def write_files(self, beside: FileContent) -> None:
@@ -137,7 +137,7 @@ class CopyFolder(Copy):
                 self.path = self._final + NEXT
                 _remove(self.path)
             else:
-                self.aside = files.set_aside(self._final)
+                self.aside = log_dirs.set_aside(self._final)
             self._open()
 
     def complete(self) -> None:
@@ -145,7 +145,7 @@ class CopyFolder(Copy):
         if self.path == self._final:
             return
         with self._writing():
-            self.aside = files.set_aside(self._final)
+            self.aside = log_dirs.set_aside(self._final)
             _finish_exchange(self._final)
             self.path = self._final
             self._note_certain(str(log.names_in(self.path)[-1]))
@@ -179,9 +179,9 @@ class CopyFolder(Copy):
     def _writing(self) -> Iterator[None]:
         try:
             yield
-        except files.JournalInUse:
+        except log_dirs.JournalInUse:
             raise CannotWriteCopy(_IN_USE) from None
-        except (files.CannotWriteJournal, OSError) as error:
+        except (log_dirs.CannotWriteJournal, OSError) as error:
             if durable.is_full(error):
                 raise CannotWriteCopy(_FULL(folder=self._place)) from None
             raise CannotWriteCopy(_FAILED(error=getattr(error, "strerror", None) or str(error))) from None
@@ -190,10 +190,10 @@ class CopyFolder(Copy):
 def drop_drafts(folder: str) -> bool:
     """Remove the drafts of a copy that is used from now on: nothing may replace it or its segments any more. Returns
     whether one of these was not to be trusted. Raises OSError."""
-    path = os.path.join(folder, files.FILE_NAME)
+    path = os.path.join(folder, log_dirs.JOURNAL)
     _finish_exchange(path)
     _remove(path + NEXT)
-    drafts = glob.glob(os.path.join(glob.escape(folder), files.FILE_NAME, f"*{log.DRAFT}"))
+    drafts = glob.glob(os.path.join(glob.escape(folder), log_dirs.JOURNAL, f"*{log.DRAFT}"))
     for draft in drafts:
         os.unlink(draft)
     return any(os.path.exists(draft[:-len(log.DRAFT)]) for draft in drafts)

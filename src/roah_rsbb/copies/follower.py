@@ -12,7 +12,7 @@ from typing import Callable, Mapping, NamedTuple, Optional
 
 from roah_rsbb.copies.copy import FILES, CannotReadJournal, CannotWriteCopy, ChangedFiles, Copy
 from roah_rsbb.copies.segments import JournalSegments
-from roah_rsbb.journal import file as files
+from roah_rsbb.journal import log_dir as log_dirs
 
 # Time between two looks at the journal.
 PERIOD_S = 0.05
@@ -44,7 +44,7 @@ class Follower:
         self.progress = CopyProgress("", None, 0, "", "")
         self.log_dir = log_dir
         self._now = now
-        self._journal = JournalSegments(os.path.join(log_dir, files.FILE_NAME))
+        self._journal = JournalSegments(os.path.join(log_dir, log_dirs.JOURNAL))
         self._present: Mapping[str, int] = {}  # the sizes of its segments,
         self._sizes: Mapping[str, int] = {}  # and what the copy had of them, also while it is closed
         self._open_copy = open_copy

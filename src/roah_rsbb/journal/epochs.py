@@ -8,14 +8,11 @@ import contextlib
 import os
 from typing import Dict, NamedTuple
 
-from roah_rsbb.journal import kinds, records
-from roah_rsbb.journal.batch import Batch, NewEntry
-from roah_rsbb.journal.contents import open_journal
+from roah_rsbb.journal import records
+from roah_rsbb.journal.contents import BoxEpoch, open_journal, standing_after, superseded_value, takeover_value
 from roah_rsbb.journal.log import HEAD_BYTES, NewerFormat, NotASegment, frames, names_in, read_head
-from roah_rsbb.journal.standing import FIRST, BoxEpoch, after, superseded_value, takeover_value
-from roah_rsbb.journal.writer import Writer
-
-__all__ = ["FIRST", "NO_MONO", "NO_SESSION", "BoxEpoch", "hand_over", "raise_epoch", "standing_in", "superseded_value"]
+from roah_rsbb.journal.records import Batch, Kind, NewEntry
+from roah_rsbb.journal.store import Writer
 
 # Entries that no core wrote. A core's restart finds the end of the previous core by its session.
 NO_SESSION, NO_MONO = 0, 0.0
@@ -48,7 +45,7 @@ def standing_in(path: str) -> BoxEpoch:
             at = frame.end
             if not frame.is_summary and records.EPOCHS in records.top_of(frame.payload).letters:
                 for entry in records.line_of(frame.payload, records.EPOCHS):
-                    standing = after(standing, entry[-1])
+                    standing = standing_after(standing, entry[-1])
         _seen[path] = _Seen(name.salt, seen.at + at, standing)
         return standing
     return BoxEpoch()
@@ -82,4 +79,4 @@ def _writer(path: str) -> Writer:
 
 
 def _add(writer: Writer, utc: float, who: str, value: Dict[str, object]) -> None:
-    writer.add(Batch(entries=[NewEntry(utc, NO_MONO, "", "", None, who, kinds.EPOCH, value)]), NO_SESSION)
+    writer.add(Batch(entries=[NewEntry(utc, NO_MONO, "", "", None, who, Kind.EPOCH, value)]), NO_SESSION)

@@ -9,12 +9,11 @@ import time
 from typing import Any, Callable, Collection, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.ground import linux
-from roah_rsbb.journal import kinds, records
-from roah_rsbb.journal.contents import DAMAGED, Opened, RunEntry, holes_of, open_journal, utc_text
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal import records
+from roah_rsbb.journal.contents import DAMAGED, BoxEpoch, Opened, RunEntry, holes_of, open_journal, utc_text
 from roah_rsbb.journal.log import Frame, NewerFormat, Scan, Segment, scan_at, scans
-from roah_rsbb.journal.records import Top, line_of, top_of
-from roah_rsbb.journal.standing import BoxEpoch
+from roah_rsbb.journal.log_dir import JOURNAL
+from roah_rsbb.journal.records import Kind, Top, line_of, top_of
 
 # A running box may write a record, or begin a segment, while the folder is read.
 # Seconds between two looks then: on a busy computer, its write may wait for the processor.
@@ -27,7 +26,7 @@ _MOST_LOADED = 2
 
 def journal_in(log_dir: str) -> str:
     """Return the path of the journal in a log_dir."""
-    return os.path.join(log_dir, FILE_NAME)
+    return os.path.join(log_dir, JOURNAL)
 
 
 class JournalError(Exception):
@@ -211,7 +210,7 @@ class JournalReader:
     def commands(self, zone: str) -> List[JournalEntry]:
         """The referees' commands to a zone, including refused ones, in order."""
         return [entry for entry in self._entries(self._all(), (records.ENTRIES,), b'"command"')
-                if entry.zone == zone and entry.kind == kinds.COMMAND]
+                if entry.zone == zone and entry.kind == Kind.COMMAND]
 
     def links(self, port: int) -> List[JournalLink]:
         """The link record of a robot, in order."""
@@ -354,7 +353,7 @@ class JournalReader:
                 "name it with --journal FOLDER"
             )
         if not os.path.isdir(self.path):
-            raise JournalError(f"{self.path}: this is a file, and a journal is a folder: name the folder {FILE_NAME} "
+            raise JournalError(f"{self.path}: this is a file, and a journal is a folder: name the folder {JOURNAL} "
                                "of a box's log_dir, or another copy of it")
         try:
             for _ in range(ATTEMPTS):
@@ -369,7 +368,7 @@ class JournalReader:
             raise self._unreadable(error) from None
         if not found.segments:
             raise JournalError(f"{self.path}: this folder has no journal that can be read "
-                               f"({'; '.join(found.problems) or 'it has no segments'}). Name the folder {FILE_NAME} of "
+                               f"({'; '.join(found.problems) or 'it has no segments'}). Name the folder {JOURNAL} of "
                                "a box's log_dir, or another copy of it")
         return found
 

@@ -1,7 +1,7 @@
 """Writes the journal.
 
 Theory of operation. `write` takes the changes of one event. A thread hands them to the system at once, so that they
-survive the process, and another one syncs them to the disk soon after (`syncer`). `write` waits for the first of them,
+survive the process, and another one syncs them to the disk soon after (`Syncer`). `write` waits for the first of them,
 but not for a disk that hangs: `is_waiting` says whether it does, and `on_written` is called when it takes data again.
 Data that cannot be written (a full disk, a missing folder) waits in memory and is written, in order, with the next
 write that succeeds. Runs continue in the meantime.
@@ -16,19 +16,30 @@ import os
 import threading
 import time
 from collections import deque
-from typing import Any, Callable, Deque, Iterator, List, Optional, Tuple, Type
+from typing import Any, Callable, Deque, Iterator, List, Optional, Sequence, Tuple, Type
 
+from roah_rsbb.document.difference import SAME, difference
 from roah_rsbb.ground import durable
-from roah_rsbb.journal import file as files
-from roah_rsbb.journal.batch import Batch
+from roah_rsbb.journal import log_dir as log_dirs
+from roah_rsbb.journal import records
 from roah_rsbb.journal.contents import Opened
-from roah_rsbb.journal.file import CannotWriteJournal, CoreSession, DamagedJournal, Lock, Resume
-from roah_rsbb.journal.log import Files, NewerFormat, read_chain
-from roah_rsbb.journal.previous_session import NOTHING, PreviousSession, read_previous_session
-from roah_rsbb.journal.syncer import GROUP_S, Syncer
-from roah_rsbb.journal.writer import Writer
+from roah_rsbb.journal.log import Files, Log, NewerFormat, read_chain
+from roah_rsbb.journal.log_dir import (
+    NOTHING,
+    CannotWriteJournal,
+    CoreSession,
+    DamagedJournal,
+    Lock,
+    PreviousSession,
+    Resume,
+    read_previous_session,
+)
+from roah_rsbb.journal.records import COMPLETE_EVERY, Batch, ChangesReader, Lines, Top
 
-# Failed writes are retried after this time.
+# Records within this time (s) are synced together. It is half of what a power failure may lose (docs/architecture.md,
+# "Write first, then act").
+GROUP_S = 0.05
+# Failed writes and syncs are retried after this time.
 RETRY_S = 0.5
 # Longest time that scores and sign-offs wait for the disk.
 SYNC_TIMEOUT_S = 2.0
@@ -43,6 +54,114 @@ REPAIRED = ""
 _AT_STAKE = "Runs continue, but what happens now is lost if the box ends or this computer is switched off"
 _HANGS = ("takes no data. Robots get STOP at once, but nothing else that is new before it is written. Check the "
                  "disk of log_dir, or use another one")
+
+
+class Syncer:
+    """Calls `work` after `wake`. All methods may be called from any thread. The simulator has another one."""
+
+    def __init__(self, work: Callable[[], bool], group_s: float) -> None:
+        """`work` writes or syncs everything, `group_s` after `wake`, and returns whether it succeeded; otherwise it is
+        repeated."""
+        self._work, self._group_s = work, group_s
+        self._changed = threading.Condition()
+        self._is_wanted = self._hurry = self._ended = False
+        self._thread = threading.Thread(target=self._run, name="journal", daemon=True)
+        self._thread.start()
+
+    def wake(self) -> None:
+        """Work soon."""
+        with self._changed:
+            if not self._is_wanted:
+                self._is_wanted = True
+                self._changed.notify_all()
+
+    def work(self, is_done: Callable[[], bool], timeout: float) -> bool:
+        """`wake` and `wait`, in one step."""
+        with self._changed:
+            self._is_wanted = self._hurry = True
+            self._changed.notify_all()
+            if self._ended:  # nobody works any more
+                return is_done()
+            return self._changed.wait_for(is_done, timeout)
+
+    def wait(self, is_done: Callable[[], bool], timeout: float) -> bool:
+        """Work now, and wait until something is done, at most `timeout` seconds; returns whether it is."""
+        with self._changed:
+            self._hurry = True
+            self._changed.notify_all()
+            return self._changed.wait_for(is_done, timeout)
+
+    def end(self) -> None:
+        """Do the rest, and end the thread."""
+        with self._changed:
+            self._ended = True
+            self._changed.notify_all()
+        self._thread.join()
+
+    def _run(self) -> None:
+        ended, succeeded = False, True
+        while not ended:
+            with self._changed:
+                self._changed.wait_for(lambda: self._ended or self._is_wanted)
+                self._changed.wait_for(lambda: self._ended or self._hurry, self._group_s if succeeded else RETRY_S)
+                is_wanted, ended = self._is_wanted, self._ended
+                self._hurry = self._is_wanted = False
+            if is_wanted:
+                succeeded = self._work()
+                with self._changed:
+                    self._is_wanted = self._is_wanted or not succeeded
+                    self._changed.notify_all()
+
+
+class Writer:
+    """Adds to one journal. Call all methods in one thread; `log.sync` may be called in another."""
+
+    def __init__(self, folder: str, opened: Opened, files: Optional[Files] = None) -> None:
+        """`opened`: what is in the folder."""
+        self.contents = opened.contents
+        self.log = Log(folder, self.contents.summary, self.contents.place, files)
+        if opened.newest is not None:
+            self.log.continue_after(opened.segments, opened.newest)
+
+    def begin_session(self, session: Sequence[Any], competition: Any) -> None:
+        """Add a start of the core."""
+        self._add({records.SESSION: session, records.COMPETITION: competition}, len(self.contents.sessions) + 1)
+
+    def set_competition(self, competition: Any) -> None:
+        """Add a change of the schedule."""
+        self._add({records.COMPETITION: competition}, len(self.contents.sessions))
+
+    def add(self, batch: Batch, session: Optional[int] = None) -> None:
+        """Add the changes of an event. `session`: its number, if it is not the newest one. Raises TypeError or
+        ValueError for what is not JSON; then an empty record is added."""
+        contents = self.contents
+        lines = records.lines_of(batch, contents.entry)
+        states = {name: self._change(name, state) for name, state in batch.states.items()}
+        states = {name: change for name, change in states.items() if change is not None}
+        if states:
+            lines[records.STATES] = states
+        self._add(lines, len(contents.sessions) if session is None else session)
+
+    def _add(self, lines: Lines, session: int) -> None:
+        contents = self.contents
+        utc, mono = records.time_of(lines) or (contents.utc, contents.last[0])
+        entry = contents.entry + sum(len(lines.get(letter, ())) for letter in records.OF_ENTRIES)
+        top = Top(utc, mono, session, entry, "".join(lines), records.identities_of(lines, contents.run_of.get))
+        try:
+            payload = records.encode(top, lines)
+        except (TypeError, ValueError, RecursionError):
+            self.log.append(records.encode(Top(utc, mono, session, contents.entry, "", ()), {}))
+            raise
+        with self.log.lock:
+            self.log.append(payload)
+            contents.take(top, lines.get)
+
+    def _change(self, name: str, state: Any) -> Any:
+        """Return how a state changed since the journal has it; None: it did not."""
+        known = self.contents.states.get(name, ChangesReader())
+        is_due = known.state is None or known.number % COMPLETE_EVERY == 0
+        change = [state] if is_due else difference(known.state, state)
+        return None if change is SAME else {"number": known.number + 1, "change": change}
 
 
 class Journal:
@@ -82,7 +201,7 @@ class Journal:
         self._known = REPAIRED  # the trouble that was reported
         self._reporting = threading.Lock()
         self._syncing = threading.Lock()
-        self.path = os.path.join(log_dir, files.FILE_NAME)
+        self.path = os.path.join(log_dir, log_dirs.JOURNAL)
         self.previous: PreviousSession = NOTHING
         self.warnings: Tuple[str, ...] = ()  # those that nobody has taken
         self._found: Optional[Opened] = None  # at the start
@@ -107,7 +226,7 @@ class Journal:
         thread: it takes long."""
         found, self._found = self._found, None
         for problem in () if found is None else found.damage_before():
-            yield f"The journal {self.path} is damaged: {problem}. {files.COPY}"
+            yield f"The journal {self.path} is damaged: {problem}. {log_dirs.COPY}"
 
     # -- writing ------------------------------------------------------------------------------------
 
@@ -298,12 +417,12 @@ class Journal:
         """Read the previous session, which is possible even on a full or read-only disk."""
         if self._lock is None:
             self._take_lock()
-        opened, warnings = files.open_folder(
+        opened, warnings = log_dirs.open_folder(
             self._log_dir, self._competition, self._resume, self._session.launch, self._is_running)
         self._found = opened._replace(newest=None)  # its records need memory
         self.previous, problems = read_previous_session(opened)
         if problems:
-            warnings.append(f"The journal {self.path} is damaged: {'; '.join(problems)}. {files.COPY}")
+            warnings.append(f"The journal {self.path} is damaged: {'; '.join(problems)}. {log_dirs.COPY}")
         writer = Writer(self.path, opened, self._files)
         with self._adding:
             self.warnings += tuple(warnings)
@@ -318,7 +437,7 @@ class Journal:
             self._writer.add(self._pending.popleft())
 
     def _take_lock(self) -> None:
-        self.path, self._lock = files.lock(self._log_dir)
+        self.path, self._lock = log_dirs.lock(self._log_dir)
 
     def _unlock(self) -> None:
         if self._lock is not None:
@@ -331,7 +450,7 @@ class Journal:
         self._take_lock()
         there = read_chain(self.path).segments
         if there and there[-1].head.uuid != self._writer.log.uuid:  # somebody put another journal in its place
-            files.set_aside(self.path)
+            log_dirs.set_aside(self.path)
         with self._syncing:
             self._writer.log.restore()
             self._writer.log.begin()

@@ -12,7 +12,7 @@ from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.zones import ZoneState
-from roah_rsbb.journal.in_force import FILE_NAME, kept_files
+from roah_rsbb.journal.log_dir import CONFIGURATION, kept_files
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import RunRecord
@@ -137,11 +137,11 @@ def configuration(
     if None in paths:
         kept = kept_files(log_dir, run.version)
         if not {"benchmarks", "schedule"} <= set(kept):
-            raise CannotReplay(f"{os.path.join(log_dir, FILE_NAME)} is missing or cannot be read: copy it with the "
+            raise CannotReplay(f"{os.path.join(log_dir, CONFIGURATION)} is missing or cannot be read: copy it with the "
                                "journal, or give --benchmarks-file and --schedule-file")
         for number, name in enumerate(("benchmarks", "schedule")):
             if paths[number] is None:
-                paths[number] = f"{os.path.join(log_dir, FILE_NAME)}, {name}.yaml"
+                paths[number] = f"{os.path.join(log_dir, CONFIGURATION)}, {name}.yaml"
                 texts[paths[number]] = kept[name]
     with known(texts):
         benchmarks, zones = config.load_schedule(*paths)

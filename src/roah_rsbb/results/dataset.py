@@ -12,7 +12,7 @@ import re
 import tempfile
 from typing import Any, Callable, Dict, Iterable, Iterator, NamedTuple, Optional, TextIO, Tuple
 
-from roah_rsbb.journal import kinds
+from roah_rsbb.journal.records import Kind
 from roah_rsbb.model import run_log
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.results.anonymous import Names, anonymous
@@ -215,7 +215,7 @@ def _event_rows(result: RunResult, names: Optional[Names]) -> Iterator[Dict[str,
         text, who = event.text, event.who
         if names is not None:
             text = _without_names(event.kind, text, event.bad, names)
-            is_robot = event.kind in run_log.FROM_ROBOT or event.kind == kinds.ADDRESS
+            is_robot = event.kind in run_log.FROM_ROBOT or event.kind == Kind.ADDRESS
             who = names.of("address", who) if is_robot else names.person(who)
         yield {
             "run_id": result.record.identity, "time": iso(event.utc, in_utc=True), "robot": _robot(result, event.port),
@@ -235,7 +235,7 @@ def _without_names(kind: str, text: str, bad: bool, names: Names) -> str:
 
 
 _OF_THE_BOX = frozenset((
-    run_log.CLIENT_STATE, run_log.END, kinds.TIMEOUT, *(run_log.device_topic(device) for device in run_log.DEVICES)))
+    run_log.CLIENT_STATE, run_log.END, Kind.TIMEOUT, *(run_log.device_topic(device) for device in run_log.DEVICES)))
 
 
 def _link_rows(result: RunResult, _names: Optional[Names]) -> Iterator[Dict[str, Cell]]:

@@ -3,8 +3,8 @@
 import json
 from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.journal import kinds
 from roah_rsbb.journal.reader import JournalEntry
+from roah_rsbb.journal.records import Kind
 from roah_rsbb.model import run_log
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.results.runs import RunResult
@@ -92,7 +92,7 @@ def _stretches(changes: List[Tuple[float, str]], end_utc: float) -> List[Stretch
 
 
 def _run_event(result: RunResult, entry: JournalEntry, text: str) -> SectionLine:
-    bad = entry.kind == kinds.NOTICE or (entry.kind in COMMANDS and "refused" in _dict(entry.value))
+    bad = entry.kind == Kind.NOTICE or (entry.kind in COMMANDS and "refused" in _dict(entry.value))
     return SectionLine(entry.utc, entry.who, result.robot_at(entry.port), text, entry.kind, entry.port, bad)
 
 
@@ -218,33 +218,33 @@ _WORDINGS: Dict[str, Tuple[str, _Wording]] = {
     run_log.STATE_NAME: (_STATES, _state_name),
     run_log.STATE_DESC: (_STATES, _state_desc),
     run_log.CLIENT_STATE: (_STATES, _client_state),
-    kinds.ADDRESS: (_STATES, _saying("Robot's address")),
-    kinds.TIMEOUT: (_STATES, _only("Timeout")),
+    Kind.ADDRESS: (_STATES, _saying("Robot's address")),
+    Kind.TIMEOUT: (_STATES, _only("Timeout")),
     run_log.END: (_STATES, _only("Disconnected")),
     run_log.GOAL: (_GOALS, _goal),
     run_log.RESULT: (_GOALS, _saying("Result")),
     run_log.MANUAL_OPERATION: (_OPERATIONS, _as_it_is),
     run_log.SWITCHES: (_OPERATIONS, _saying("Switches")),
-    kinds.COMMAND: (_COMMANDS, _command),
-    kinds.JUDGING: (_JUDGES, _command),
-    kinds.PUBLICATION: (_OBJECTIONS, _command),
+    Kind.COMMAND: (_COMMANDS, _command),
+    Kind.JUDGING: (_JUDGES, _command),
+    Kind.PUBLICATION: (_OBJECTIONS, _command),
     run_log.NOTIFICATION: (_ONLINE_DATA, _saying("notification")),
     run_log.ACTIVATION_EVENT: (_ONLINE_DATA, _saying("activation event")),
     run_log.VISITOR: (_ONLINE_DATA, _saying("visitor")),
     run_log.COMMAND: (_ONLINE_DATA, _saying("final command")),
     run_log.DISPLAY_MAP: (_DEVICES, _saying("display_map")),
     **{run_log.device_topic(device): (_DEVICES, _saying(device)) for device in run_log.DEVICES},
-    kinds.NOTICE: (_WARNINGS, _notice),
+    Kind.NOTICE: (_WARNINGS, _notice),
 }
 _SCORE_WORDINGS: Dict[str, Tuple[str, _Wording]] = {
     run_log.SCORE: (SCORES, _score),
     run_log.MODULE_SCORE: (SCORES, _only("Score of the benchmarking module changed")),
 }
 # Kinds of entries that are commands of people.
-COMMANDS = frozenset((kinds.COMMAND, kinds.JUDGING, kinds.PUBLICATION))
+COMMANDS = frozenset((Kind.COMMAND, Kind.JUDGING, Kind.PUBLICATION))
 # Entries that repeat others, or that the score sheet shows. The marks of judges are shown when they submit.
 _NOT_SHOWN = frozenset((
     run_log.STATE, run_log.BOX_STATE, run_log.BOX_PAYLOAD, run_log.CLIENT_PAYLOAD, run_log.SCORE,
-    run_log.SCORE_TEXT, kinds.JUDGE_MARK,
+    run_log.SCORE_TEXT, Kind.JUDGE_MARK,
     run_log.MODULE_SCORE, run_log.HOPF_RESULT, run_log.OMF_BUTTON, run_log.OMF_DAMAGED, run_log.OMF_COMPLETE,
 ))

@@ -7,7 +7,7 @@ States and times are the journal's, and scores and points come from the core's o
 
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
-from roah_rsbb.journal import kinds
+from roah_rsbb.journal.records import Kind
 from roah_rsbb.model import run_log
 from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreValue
 from roah_rsbb.model.saved import BadState, thaw
@@ -25,7 +25,7 @@ LATEST = {
     run_log.GOAL: "Last goal", run_log.RESULT: "Last result", run_log.MANUAL_OPERATION: "Last manual operation",
     run_log.SWITCHES: "Switches", run_log.NOTIFICATION: "Last notification",
     run_log.ACTIVATION_EVENT: "Last activation event", run_log.VISITOR: "Last visitor",
-    run_log.COMMAND: "Last final command", kinds.NOTICE: "Last warning",
+    run_log.COMMAND: "Last final command", Kind.NOTICE: "Last warning",
 }
 # The parts of the state that change most often, and that the page does not show: it has them from the entries.
 NOT_SHOWN = tuple(f"zone.run.{part}" for part in ("message", "link", "online_data", "strings", "said"))

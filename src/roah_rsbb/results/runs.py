@@ -4,8 +4,8 @@ import re
 from functools import partial
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
-from roah_rsbb.journal.changes import ChangesReader
 from roah_rsbb.journal.reader import JournalEntry, JournalReader, JournalRun
+from roah_rsbb.journal.records import ChangesReader
 from roah_rsbb.model import run_log
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import RunRecord

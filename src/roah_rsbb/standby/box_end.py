@@ -14,7 +14,7 @@ from typing import Callable, List, Optional
 
 from roah_rsbb.copies.copy import CannotWriteCopy
 from roah_rsbb.journal import epochs
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.model.reason import say
 from roah_rsbb.standby import codes
 from roah_rsbb.standby.channel import TIMEOUT_S, Channel, Lost, box_context, wake
@@ -179,7 +179,7 @@ class BoxEnd:
             channel.send({"refused": "this standby is not paired with the box: another one was paired, or none is. "
                                      "On the box, 'standby status' says which one is. Pair it again, with a new code"})
             return False
-        if epochs.standing_in(os.path.join(self._log_dir, FILE_NAME)).is_superseded:
+        if epochs.standing_in(os.path.join(self._log_dir, JOURNAL)).is_superseded:
             channel.send({"refused": "this box is superseded: its journal must not replace the one of its successor"})
             return False
         channel.send({})

@@ -12,7 +12,7 @@ import os
 from typing import Deque, NamedTuple, Optional, Tuple
 
 from roah_rsbb.ground import durable
-from roah_rsbb.journal.file import boot_id
+from roah_rsbb.ground.linux import boot_id
 from roah_rsbb.model.clock import Now
 
 FILE = "clock.json"

@@ -10,7 +10,7 @@ import threading
 from typing import Callable, Tuple
 
 from roah_rsbb.journal import epochs
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.standby.channel import Lost, connect
 from roah_rsbb.standby.messages import MAX_BYTES_OF_STRANGERS, BadMessage
 from roah_rsbb.standby.pair import Word
@@ -70,7 +70,7 @@ class Herald:
             channel.close()
 
     def _word(self, partner: Partner) -> bytes:
-        standing = epochs.standing_in(os.path.join(self._log_dir, FILE_NAME))
+        standing = epochs.standing_in(os.path.join(self._log_dir, JOURNAL))
         return seal(partner.secret, Word(partner.own_side, standing.epoch,
                                          claims=not standing.is_superseded and self._is_alive(), cut=standing.cut))
 

@@ -6,8 +6,8 @@ from typing import Callable, Mapping, NamedTuple, Optional
 
 from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent, Part
 from roah_rsbb.copies.folder import CopyFolder
+from roah_rsbb.ground.linux import boot_id
 from roah_rsbb.journal import log
-from roah_rsbb.journal.file import boot_id
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import decode, encode, say
 from roah_rsbb.standby.clocks import ClockDifference

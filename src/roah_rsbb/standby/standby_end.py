@@ -7,7 +7,7 @@ import threading
 from typing import Callable, Optional, Tuple
 
 from roah_rsbb.ground import durable
-from roah_rsbb.journal.epochs import FIRST
+from roah_rsbb.journal.contents import FIRST
 from roah_rsbb.standby.channel import ANY_HOST, Channel, Lost, connect
 from roah_rsbb.standby.messages import MAX_BYTES_OF_STRANGERS, BadMessage
 from roah_rsbb.standby.pair import Side, Word

@@ -22,12 +22,11 @@ from roah_rsbb.box.journal import saved_state
 from roah_rsbb.core.actions import table
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.journal.batch import Batch
+from roah_rsbb.journal import log_dir as log_dirs
 from roah_rsbb.journal.contents import open_journal
-from roah_rsbb.journal.file import FILE_NAME, CoreSession, DamagedJournal, Resume
-from roah_rsbb.journal.ports import FILE_NAME as PORTS_FILE
-from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.journal.log_dir import JOURNAL, CoreSession, DamagedJournal, PortRecord, Resume
 from roah_rsbb.journal.reader import JournalError, JournalReader
+from roah_rsbb.journal.records import Batch
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.protocol import RobotState
@@ -87,7 +86,7 @@ def _good() -> Dict[str, bytes]:
     driver.kill()
     driver.run(1.0)
     driver.journal.close()
-    return {path.name: path.read_bytes() for path in (folder / "1" / FILE_NAME).glob("*.log")}
+    return {path.name: path.read_bytes() for path in (folder / "1" / JOURNAL).glob("*.log")}
 
 
 def _put(path: pathlib.Path, segments: Dict[str, bytes]) -> None:
@@ -107,10 +106,10 @@ def _written(folder: pathlib.Path, data: bytes) -> pathlib.Path:
     if way is not _state:
         name = reader.choice(sorted(segments))
         segments[name] = way(segments[name], reader)
-    _put(folder / FILE_NAME, segments)
+    _put(folder / JOURNAL, segments)
     if way is _state:
         _state(folder, reader)
-    return folder / FILE_NAME
+    return folder / JOURNAL
 
 
 def _whole(_good: bytes, reader: Reader) -> bytes:
@@ -192,7 +191,7 @@ def _start(folder: pathlib.Path) -> None:
         assert not troubles, troubles
     finally:
         journal.close()
-    assert open_journal(str(folder / FILE_NAME)).contents.states["box"].state == {"n": 1}
+    assert open_journal(str(folder / JOURNAL)).contents.states["box"].state == {"n": 1}
 
 
 def read_steps(data: bytes) -> Iterator[Step]:
@@ -219,7 +218,7 @@ def _read(path: str) -> None:
 def port_steps(data: bytes) -> Iterator[Step]:
     """The record of used ports."""
     folder = _FOLDERS.fresh()
-    (folder / PORTS_FILE).write_bytes(data)
+    (folder / log_dirs.PORTS).write_bytes(data)
     record = PortRecord(str(folder))
 
     def read() -> None:

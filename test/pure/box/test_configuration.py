@@ -8,7 +8,7 @@ import pytest
 from helpers.config_files import SHIPPED
 from roah_rsbb.box import reload
 from roah_rsbb.box.configuration import EDITED, Configuration
-from roah_rsbb.journal.in_force import FILE_NAME, read_in_force
+from roah_rsbb.journal.log_dir import CONFIGURATION, read_in_force
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.event_ids import key_of
 
@@ -252,7 +252,7 @@ def test_a_version_that_could_not_be_used_is_put_back(competition):
 
 def test_passwords_are_not_copied(competition):
     core = competition.core()
-    with open(os.path.join(competition.log_dir, FILE_NAME), encoding="utf-8") as file:
+    with open(os.path.join(competition.log_dir, CONFIGURATION), encoding="utf-8") as file:
         text = file.read()
     assert not any(password in text for password in core.content.config.passwords.values())
     competition.edit("passwords.yaml", "TestingTeam:", "Late: its password\nTestingTeam:")
@@ -273,7 +273,7 @@ def test_files_that_no_longer_fit_the_passwords_are_read_again(competition):
                                   '{"launch": "launch 1", "present": 0, "versions": {"0": 7}}', "[" * 100_000])
 def test_a_damaged_file_is_replaced(competition, text):
     competition.core()
-    path = os.path.join(competition.log_dir, FILE_NAME)
+    path = os.path.join(competition.log_dir, CONFIGURATION)
     with open(path, "w", encoding="utf-8") as file:
         file.write(text)
     assert read_in_force(competition.log_dir) is None

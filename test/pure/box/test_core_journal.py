@@ -12,7 +12,7 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.runs.run import IGNORES_STOP
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.journal.file import CoreSession, Resume
+from roah_rsbb.journal.log_dir import CoreSession, Resume
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model import run_log

@@ -4,7 +4,7 @@ import pytest
 
 from helpers.competition import DOOR, competition, event
 from helpers.journaled import CATERING, NAVIGATION, box
-from roah_rsbb.journal.file import Resume
+from roah_rsbb.journal.log_dir import Resume
 from roah_rsbb.model.reason import RunName
 from roah_rsbb.scoring.sheet import Mark
 

@@ -7,7 +7,7 @@ from helpers.all_robots import robots_of, take_ports
 from helpers.competition import competition, event
 from helpers.journaled import JournaledDriver
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.journal.batch import Batch
+from roah_rsbb.journal.records import Batch
 from roah_rsbb.protocol import RobotState
 
 ALL_ROBOTS = competition(a=[event("HSUF", team="ALL", timeout=120.0, scoring=())], b=["HWV"])

@@ -4,9 +4,8 @@ from helpers.all_robots import robots_of, take_ports
 from helpers.competition import DOOR, competition, event
 from helpers.journaled import box
 from roah_rsbb.core.views.document import clock_of
-from roah_rsbb.journal import kinds
-from roah_rsbb.journal.changes import ChangesReader
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.journal.records import ChangesReader, Kind
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.protocol import RobotState
 
@@ -18,7 +17,7 @@ def states_of(path):
     for run in journal.runs():
         reader = ChangesReader()
         found[run.identity] = [(entry.utc, reader.take(entry.value)) for entry in journal.states(run.identity)]
-        assert not any(entry.kind == kinds.STATE for entry in journal.entries(run.identity))
+        assert not any(entry.kind == Kind.STATE for entry in journal.entries(run.identity))
     return found
 
 

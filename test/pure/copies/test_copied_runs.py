@@ -14,7 +14,7 @@ from helpers.journaled import NO_LISTENING, JournaledDriver, box
 from helpers.random_events import apply_event, random_competition, random_events
 from roah_rsbb.copies.folder import CopyFolder
 from roah_rsbb.copies.follower import Follower
-from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.journal.log_dir import PortRecord
 from roah_rsbb.model.records import EndReason, Phase
 
 

@@ -19,7 +19,7 @@ from roah_rsbb.copies.copy import CannotWriteCopy
 from roah_rsbb.copies.folder import NEXT, CopyFolder, Stick, drop_drafts
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.journal import log
-from roah_rsbb.journal.file import FILE_NAME, Resume
+from roah_rsbb.journal.log_dir import JOURNAL, Resume
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.journal.store import Journal
 
@@ -32,7 +32,7 @@ def asides(folder):
 
 def segments_in(folder, which=""):
     """The paths of the segments in a folder, oldest first; `which`: of the new copy."""
-    path = folder / (FILE_NAME + which)
+    path = folder / (JOURNAL + which)
     return [path / str(name) for name in log.names_in(str(path))]
 
 
@@ -80,7 +80,7 @@ def test_the_copy_is_a_journal_with_all_data(copied):
     (copied.log_dir / "used_private_ports").write_text("6667\n")
     (copied.log_dir / "configuration.json").write_text("{}")
     assert copied.step()
-    reader = JournalReader(str(copied.stick / FILE_NAME))
+    reader = JournalReader(str(copied.stick / JOURNAL))
     assert reader.runs()[0].outcome
     assert not reader.damage
     assert (copied.stick / "used_private_ports").read_text() == "6667\n"
@@ -208,7 +208,7 @@ def test_a_stick_that_is_pulled_out_is_reported_and_catches_up(copied):
 
 def test_the_files_are_removed_from_the_stick(copied):
     assert copied.step()
-    shutil.rmtree(copied.stick / FILE_NAME)
+    shutil.rmtree(copied.stick / JOURNAL)
     copied.writer.entry("/notification", "now")
     copied.follower.step()
     assert "removed" in copied.trouble
@@ -279,13 +279,13 @@ def test_a_copy_of_another_journal_is_kept_aside(copied, tmp_path):
     other = Writer(tmp_path / "other")
     other.entry("/notification", "of another competition")
     other.close()
-    shutil.copytree(tmp_path / "other" / FILE_NAME, copied.stick / FILE_NAME)
+    shutil.copytree(tmp_path / "other" / JOURNAL, copied.stick / JOURNAL)
     copied.writer.entry("/notification", "now")
     before = contents(copied.stick)
     assert copied.step()
     (aside,) = asides(copied.stick)
     assert copied.follower.progress.aside == str(copied.stick / aside)
-    (copied.stick / aside).rename(tmp_path / FILE_NAME)
+    (copied.stick / aside).rename(tmp_path / JOURNAL)
     assert contents(tmp_path) == before
 
 
@@ -359,7 +359,7 @@ def test_a_copy_whose_exchange_was_interrupted_is_used(copied, monkeypatch):
     with monkeypatch.context() as killed:
         killed.setattr("os.rename", rename)
         assert not copied.step()
-    assert not (copied.stick / FILE_NAME).exists()
+    assert not (copied.stick / JOURNAL).exists()
     assert not drop_drafts(str(copied.stick))
     assert contents(copied.stick) == contents(copied.log_dir)
 
@@ -512,7 +512,7 @@ def test_what_may_be_torn_in_a_copy_that_does_not_say_so_yet(copied):
     """It was begun by hand, for example."""
     assert copied.step()
     copied.follower.close()
-    (copied.stick / f"{FILE_NAME}{log.CERTAIN}").unlink()
+    (copied.stick / f"{JOURNAL}{log.CERTAIN}").unlink()
     saved, before = newest(copied.stick).stat().st_size, numbers(copied.stick)
     copied.follower = copied.new_follower()
     for number in range(2):
@@ -637,7 +637,7 @@ def test_a_copy_that_is_being_written_reports_no_earlier_trouble(failed, small_p
 def test_an_fsync_that_fails_again(failed, monkeypatch, which):
     """Nothing is reported as complete, and the next attempt succeeds."""
     before = newest(failed.stick).read_bytes()
-    fail_sync(failed, monkeypatch, newest(failed.stick).name + log.DRAFT if which == "draft" else FILE_NAME)
+    fail_sync(failed, monkeypatch, newest(failed.stick).name + log.DRAFT if which == "draft" else JOURNAL)
     assert newest(failed.stick).read_bytes().startswith(before)
     assert is_again(failed.stick)
     assert failed.step()
@@ -651,7 +651,7 @@ def test_an_fsync_that_fails_when_the_copy_is_opened(copied, monkeypatch, which)
     copied.follower.close()
     copied.follower = copied.new_follower()
     before = inode(newest(copied.stick))
-    fail_sync(copied, monkeypatch, FILE_NAME if which == "folder" else "")
+    fail_sync(copied, monkeypatch, JOURNAL if which == "folder" else "")
     assert copied.step()
     assert inode(newest(copied.stick)) != before
 
@@ -679,7 +679,7 @@ def test_drafts_of_a_copy_that_is_used(failed):
     assert folders.drop_drafts(str(failed.stick))
     assert not is_again(failed.stick)
     assert not folders.drop_drafts(str(failed.stick))
-    (failed.stick / FILE_NAME / f"journal-000009-00000001.log{log.DRAFT}").write_bytes(b"a part")
+    (failed.stick / JOURNAL / f"journal-000009-00000001.log{log.DRAFT}").write_bytes(b"a part")
     assert not folders.drop_drafts(str(failed.stick)), "nothing of it was in the copy"
 
 

@@ -7,20 +7,20 @@ from roah_rsbb.copies.folder import Stick
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.copies.segments import JournalSegments
 from roah_rsbb.journal import log
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 
 COMPETITION = [["tbm", "HCFGAC", "Alpha", 1, 1, 0.0]]
 
 
 def contents(folder):
     """The segments of the journal in a folder, by name: what of them is copied."""
-    folder = pathlib.Path(folder, FILE_NAME)
+    folder = pathlib.Path(folder, JOURNAL)
     return {name: (folder / name).read_bytes()[:size] for name, size in JournalSegments(str(folder)).sizes().items()}
 
 
 def numbers(folder):
     """The numbers of the intact records in the journal in a folder, in order."""
-    found = {frame.number for segment, scan in log.scans(log.read_chain(str(pathlib.Path(folder, FILE_NAME))).segments)
+    found = {frame.number for segment, scan in log.scans(log.read_chain(str(pathlib.Path(folder, JOURNAL))).segments)
              for frame in scan.records}
     return sorted(found)
 

@@ -89,9 +89,9 @@ class Journal:
     @staticmethod
     def live(folder: str, life: int, recorded: Recorded) -> None:
         """Write the entries of a process."""
-        from roah_rsbb.journal import log, store, syncer
+        from roah_rsbb.journal import log, store
 
-        log.FULL_BYTES, syncer.RETRY_S, store.RETRY_S = 8000, 0.01, 0.0
+        log.FULL_BYTES, store.RETRY_S = 8000, 0.0
         journal = Journal.opened(folder)[0]
         chance = random.Random(life)
         recorded.continued(number_of(journal.previous.states.get("zone:Home", "")))
@@ -109,7 +109,7 @@ class Journal:
     @staticmethod
     def opened(folder: str, boot: str = "boot"):
         """Open the journal as a core does, and return it and what it reports."""
-        from roah_rsbb.journal.file import CoreSession, Resume
+        from roah_rsbb.journal.log_dir import CoreSession, Resume
         from roah_rsbb.journal.store import Journal
 
         troubles: List[str] = []
@@ -119,7 +119,7 @@ class Journal:
     @staticmethod
     def batch(number: int):
         """The changes of one event: an entry, and the state from which a core resumes."""
-        from roah_rsbb.journal.batch import Batch, Member, NewEntry
+        from roah_rsbb.journal.records import Batch, Member, NewEntry
 
         text = text_of(number)
         entry = NewEntry(1e9 + number, 1.0 + number, "Home", "run", 6667, "", "notice", text)
@@ -129,7 +129,7 @@ class Journal:
     @staticmethod
     def found(folder: str, newest: int) -> Found:
         """Start a core with it."""
-        from roah_rsbb.journal.file import DamagedJournal
+        from roah_rsbb.journal.log_dir import DamagedJournal
         from roah_rsbb.journal.reader import JournalReader
 
         try:

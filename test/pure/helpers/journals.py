@@ -2,8 +2,8 @@
 
 import pathlib
 
-from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
-from roah_rsbb.journal.file import CoreSession, Resume
+from roah_rsbb.journal.log_dir import CoreSession, Resume
+from roah_rsbb.journal.records import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.saved import freeze
 

@@ -13,7 +13,7 @@ from roah_rsbb.box import journal as core_journal
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.journal.file import CoreSession, Resume
+from roah_rsbb.journal.log_dir import CoreSession, Resume
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import RobotReport

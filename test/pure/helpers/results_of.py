@@ -4,7 +4,7 @@ import json
 import pathlib
 
 from helpers.journals import UTC0, Writer
-from roah_rsbb.journal.in_force import InForce, Texts, write_in_force
+from roah_rsbb.journal.log_dir import InForce, Texts, write_in_force
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreEntry, ScoreValue, SignOff, StopRecord
 

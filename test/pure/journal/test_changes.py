@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from helpers.examples import examples
-from roah_rsbb.journal.changes import COMPLETE_EVERY, ChangesReader, ChangesWriter
+from roah_rsbb.journal.records import COMPLETE_EVERY, ChangesReader, ChangesWriter
 
 VALUES = st.recursive(
     st.none() | st.booleans() | st.integers(-3, 3) | st.text("ab\n", max_size=150),

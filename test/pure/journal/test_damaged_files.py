@@ -15,10 +15,10 @@ from helpers.crash_states import in_memory
 from helpers.damaged_files import damaged
 from helpers.examples import ALL
 from helpers.journals import UTC0, Writer
-from roah_rsbb.journal.batch import Batch
-from roah_rsbb.journal.file import FILE_NAME, CoreSession, DamagedJournal, Resume
 from roah_rsbb.journal.log import NEWEST, read_chain, scans
+from roah_rsbb.journal.log_dir import JOURNAL, CoreSession, DamagedJournal, Resume
 from roah_rsbb.journal.reader import JournalError, JournalReader
+from roah_rsbb.journal.records import Batch
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import RunRecord
@@ -53,9 +53,9 @@ def folders(tmp_path_factory):
 @pytest.fixture(scope="module")
 def everything(folders):
     """All records of the journal by number, and all records of each run."""
-    payloads = {frame.number: frame.payload for _, found in scans(read_chain(str(folders[0] / FILE_NAME)).segments)
+    payloads = {frame.number: frame.payload for _, found in scans(read_chain(str(folders[0] / JOURNAL)).segments)
                 for frame in found.records}
-    reader = JournalReader(str(folders[0] / FILE_NAME))
+    reader = JournalReader(str(folders[0] / JOURNAL))
     assert reader.damage == []
     runs = {run.identity: run for run in reader.runs()}
     assert len(runs) == LIVES * RUNS and list(payloads) == list(range(1, len(payloads) + 1))
@@ -65,7 +65,7 @@ def everything(folders):
 def spoil(folder, chance, log_dir):
     """Copy a log_dir, and damage one of its files."""
     shutil.copytree(folder, log_dir)
-    path = chance.choice([*sorted((log_dir / FILE_NAME).iterdir()), log_dir / (FILE_NAME + NEWEST)])
+    path = chance.choice([*sorted((log_dir / JOURNAL).iterdir()), log_dir / (JOURNAL + NEWEST)])
     path.write_bytes(damaged(path.read_bytes(), chance))
     if chance.random() < 0.05:
         path.unlink()
@@ -105,7 +105,7 @@ def trial(folders, everything, chance, folder):
     """Read a damaged journal, then start a core with it; returns what happened."""
     log_dir = folder / "log"
     spoil(chance.choice(folders), chance, log_dir)
-    path = str(log_dir / FILE_NAME)
+    path = str(log_dir / JOURNAL)
     try:
         damage = check(path, everything)
         yield "whole" if not damage else "damaged"

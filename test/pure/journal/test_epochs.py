@@ -6,11 +6,11 @@ import pytest
 
 from helpers.competition import run_record
 from helpers.journals import UTC0, Writer, spoil
-from roah_rsbb.journal import kinds
-from roah_rsbb.journal.contents import open_journal
-from roah_rsbb.journal.epochs import BoxEpoch, hand_over, raise_epoch, standing_in, superseded_value
-from roah_rsbb.journal.previous_session import read_previous_session
+from roah_rsbb.journal.contents import BoxEpoch, open_journal, superseded_value
+from roah_rsbb.journal.epochs import hand_over, raise_epoch, standing_in
+from roah_rsbb.journal.log_dir import read_previous_session
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.journal.records import Kind
 
 
 class Box:
@@ -30,7 +30,7 @@ class Box:
 
     def superseded(self, epoch, cut):
         value = superseded_value(epoch, cut, "10.0.0.3")
-        self.writes(lambda writer: writer.entry(kinds.EPOCH, value, port=None))
+        self.writes(lambda writer: writer.entry(Kind.EPOCH, value, port=None))
 
     @property
     def last(self):
@@ -76,7 +76,7 @@ def test_a_standing_that_changes_while_it_is_looked_at(box):
     for _ in range(3):
         writer.entry("/notification", "x" * 1000)
         assert not standing_in(box.path).is_superseded
-    writer.entry(kinds.EPOCH, superseded_value(2, 1, "10.0.0.3"), port=None)
+    writer.entry(Kind.EPOCH, superseded_value(2, 1, "10.0.0.3"), port=None)
     assert standing_in(box.path) == BoxEpoch(1, 2, 1, "10.0.0.3")
     writer.close()
     assert standing_in(box.path) == BoxEpoch(1, 2, 1, "10.0.0.3")
@@ -121,5 +121,5 @@ def test_a_superseded_box_takes_over_again(box):
 @pytest.mark.parametrize("value", ["no object", [], {"epoch": "no number"}, {"superseded_by": None}, 5, None])
 def test_entries_that_say_nothing(box, value):
     raise_epoch(box.path, UTC0, "second")
-    box.writes(lambda writer: writer.entry(kinds.EPOCH, value, port=None))
+    box.writes(lambda writer: writer.entry(Kind.EPOCH, value, port=None))
     assert standing_in(box.path).epoch == 2 and not standing_in(box.path).is_superseded

@@ -25,8 +25,8 @@ sys.path[:] = json.loads(sys.argv[2])
 import roah_rsbb
 roah_rsbb.__path__ = json.loads(sys.argv[3])
 from roah_rsbb.journal import log, store
-from roah_rsbb.journal.batch import Batch, Member, NewEntry
-from roah_rsbb.journal.file import CoreSession, Resume
+from roah_rsbb.journal.records import Batch, Member, NewEntry
+from roah_rsbb.journal.log_dir import CoreSession, Resume
 from roah_rsbb.journal.store import Journal
 log.FULL_BYTES, store.WRITE_S = 100_000, 60.0
 troubles = []

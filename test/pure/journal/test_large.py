@@ -7,7 +7,7 @@ import shutil
 from helpers.journals import Writer
 from helpers.results_of import task_record
 from roah_rsbb.journal import contents
-from roah_rsbb.journal.batch import Batch, LinkRow, NewEntry, OutcomeRow
+from roah_rsbb.journal.records import Batch, LinkRow, NewEntry, OutcomeRow
 from roah_rsbb.model.saved import freeze
 
 PORTS = range(6667, 6711)

@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.journal.log_dir import PortRecord
 
 
 @pytest.fixture

@@ -16,21 +16,21 @@ import pytest
 
 from helpers.small_disk import CannotMount, SmallDisk
 from helpers.waiting import wait_until
-from roah_rsbb.journal import file as files
 from roah_rsbb.journal import log
+from roah_rsbb.journal import log_dir as log_dirs
 from roah_rsbb.journal import store as stores
-from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
-from roah_rsbb.journal.file import (
-    FILE_NAME,
+from roah_rsbb.journal.log import read_chain, scans
+from roah_rsbb.journal.log_dir import (
+    JOURNAL,
+    NOTHING,
     CoreSession,
     DamagedJournal,
     JournalInUse,
     Resume,
     same_competition,
 )
-from roah_rsbb.journal.log import read_chain, scans
-from roah_rsbb.journal.previous_session import NOTHING
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.journal.records import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
 from roah_rsbb.journal.store import REPAIRED, Journal
 
 COMPETITION = [["Home", "HNF", "Alpha", 1, 1, 0.0], ["Home", "HWV", "Beta", 1, 1, 900.0]]
@@ -254,7 +254,7 @@ def test_a_run_has_no_entries_of_a_torn_tail(journals, tmp_path, monkeypatch):
         for number in range(3):
             before.write(Batch(entries=[ENTRY._replace(value=f"value {number}")]))
         shutil.copytree(str(tmp_path / "log"), str(tmp_path / "after" / "log"))
-    left = pathlib.Path(tmp_path / "after" / "log" / FILE_NAME)
+    left = pathlib.Path(tmp_path / "after" / "log" / JOURNAL)
     _changed(left, lambda content: content.replace(b"value 1", b"value x"))
     after = Journal(str(tmp_path / "after" / "log"), session(), COMPETITION, Resume.ALWAYS, [].append)
     try:
@@ -300,7 +300,7 @@ def test_all_segments_of_a_removed_folder_are_written_again(journals, tmp_path):
         journal.write(dataclasses.replace(BATCH, entries=[ENTRY._replace(value=number)]))
         if number < 2:
             journal.close()
-    shutil.rmtree(tmp_path / "log" / FILE_NAME)
+    shutil.rmtree(tmp_path / "log" / JOURNAL)
     journal.look()
     assert JournalReader(journal.path).damage == []
     assert [entry[-1] for entry in entries(journal)] == [0, 1, 2]
@@ -312,18 +312,18 @@ def test_a_folder_that_was_renamed_is_written_again(journals, tmp_path):
     (tmp_path / "log").rename(tmp_path / "moved")
     journal.write(Batch(entries=[ENTRY]))
     assert len(entries(journal)) == 2
-    assert (tmp_path / "log" / f"{FILE_NAME}.lock").exists()
+    assert (tmp_path / "log" / f"{JOURNAL}.lock").exists()
 
 
 def test_another_journal_in_its_place_is_set_aside(journals, tmp_path):
     _closed(journals, tmp_path)
-    (tmp_path / "log" / FILE_NAME).rename(tmp_path / "other")
-    (tmp_path / "log" / (FILE_NAME + log.NEWEST)).unlink()
+    (tmp_path / "log" / JOURNAL).rename(tmp_path / "other")
+    (tmp_path / "log" / (JOURNAL + log.NEWEST)).unlink()
     before = contents(tmp_path / "other")
     journal = journals()
     journal.write(BATCH)
-    shutil.rmtree(tmp_path / "log" / FILE_NAME)
-    (tmp_path / "other").rename(tmp_path / "log" / FILE_NAME)
+    shutil.rmtree(tmp_path / "log" / JOURNAL)
+    (tmp_path / "other").rename(tmp_path / "log" / JOURNAL)
     journal.write(Batch(entries=[ENTRY]))
     assert len(entries(journal)) == 2
     kept, = (one for one in (tmp_path / "log").glob("*_aside_*") if one.is_dir())
@@ -362,7 +362,7 @@ def test_a_directory_that_cannot_be_made_until_later(tmp_path):
 def test_a_journal_belongs_to_one_core(journals):
     first = journals()
     with pytest.raises(JournalInUse, match=f"in use by process {os.getpid()}, since 20.*kill -9 {os.getpid()}"):
-        files.lock(os.path.dirname(first.path))
+        log_dirs.lock(os.path.dirname(first.path))
     second = journals()
     assert "in use by process" in second.troubles[-1]
     first.write(BATCH)
@@ -387,7 +387,7 @@ def _closed(journals, tmp_path, **how):
     for _ in range(50):
         journal.write(BATCH)
     journal.close()
-    return tmp_path / "log" / FILE_NAME
+    return tmp_path / "log" / JOURNAL
 
 
 @pytest.mark.parametrize("spoil, what", [
@@ -403,8 +403,8 @@ def test_no_core_begins_without_the_runs_that_it_cannot_read(journals, tmp_path,
 
 
 @pytest.mark.parametrize("spoil, what", [
-    (lambda log_dir: (log_dir / (FILE_NAME + log.NEWEST)).write_bytes(b"\xff garbage"), ""),
-    (lambda log_dir: (shutil.rmtree(log_dir / FILE_NAME), (log_dir / (FILE_NAME + log.NEWEST)).write_text("garbage")),
+    (lambda log_dir: (log_dir / (JOURNAL + log.NEWEST)).write_bytes(b"\xff garbage"), ""),
+    (lambda log_dir: (shutil.rmtree(log_dir / JOURNAL), (log_dir / (JOURNAL + log.NEWEST)).write_text("garbage")),
      "all segments are missing, and roah_rsbb_journal.newest does not name the newest one.*resume:=never"),
 ])
 def test_a_spoiled_name_of_the_newest_segment_loses_nothing(journals, tmp_path, spoil, what):
@@ -421,7 +421,7 @@ def cannot_be_opened(monkeypatch, error):
     """Nobody may open the lock file any more. Rights mean nothing to root."""
     def refuse(path):
         raise OSError(error, os.strerror(error), path)
-    monkeypatch.setattr(files, "_lock_file", refuse)
+    monkeypatch.setattr(log_dirs, "_lock_file", refuse)
 
 
 def test_no_core_begins_without_the_runs_of_a_journal_that_it_cannot_lock(journals, tmp_path, monkeypatch):
@@ -476,7 +476,7 @@ def test_parts_of_two_copies_in_one_folder_are_named(journals, tmp_path):
     other = later.read_bytes()
     shutil.rmtree(path)
     shutil.copytree(tmp_path / "earlier", path)
-    (tmp_path / "log" / (FILE_NAME + log.NEWEST)).unlink()
+    (tmp_path / "log" / (JOURNAL + log.NEWEST)).unlink()
     for _ in range(2):
         _closed(journals, tmp_path)
     assert read_chain(str(path)).problems == []
@@ -552,7 +552,7 @@ def test_a_state_that_depends_on_a_damaged_record_is_not_used(journals, tmp_path
     for number in range(5):
         journal.why_not_saved(journal.write(Batch(states={"zone:Home": {**state, "n": number}, "box": {"n": 5}})))
     journal.close()
-    segment = max((tmp_path / "log" / FILE_NAME).glob("*.log"))
+    segment = max((tmp_path / "log" / JOURNAL).glob("*.log"))
     content = segment.read_bytes()
     content = content.replace(b'"change":{"n":[2]}', b'"change":{"n":[9]}')
     segment.write_bytes(content[:content.rindex(b"RsbS")])  # without the summary at the end
@@ -601,7 +601,7 @@ def test_a_core_that_hangs_is_named(journals):
         hung.stdout.readline()
         os.waitpid(hung.pid, os.WUNTRACED)  # it is stopped
         with pytest.raises(JournalInUse, match=f"process {hung.pid}, which is stopped.*kill -9 {hung.pid}"):
-            files.lock(os.path.dirname(journal.path))
+            log_dirs.lock(os.path.dirname(journal.path))
     finally:
         hung.kill()
         hung.communicate()
@@ -666,14 +666,14 @@ def test_in_simulated_time_nothing_depends_on_threads_or_chance(tmp_path):
         assert journal._slow
         assert journal.why_not_saved(ticket) == ""
         journal.close()
-        contents.append({path.name: path.read_bytes() for path in sorted((tmp_path / name / FILE_NAME).iterdir())})
+        contents.append({path.name: path.read_bytes() for path in sorted((tmp_path / name / JOURNAL).iterdir())})
     assert contents[0] == contents[1]
 
 
 ON_A_DISK = """
 import json, sys
 sys.path[:0] = json.loads(sys.argv[2])
-from roah_rsbb.journal.file import CoreSession, Resume
+from roah_rsbb.journal.log_dir import CoreSession, Resume
 from roah_rsbb.journal import store
 from roah_rsbb.journal.store import Journal
 store.WRITE_S = 60.0
@@ -708,7 +708,7 @@ class OnADisk:
         self._process.communicate()
 
 
-WRITES = 'from roah_rsbb.journal.batch import Batch; journal.write(Batch(states={"zone:Home": {"n": 1}}))'
+WRITES = 'from roah_rsbb.journal.records import Batch; journal.write(Batch(states={"zone:Home": {"n": 1}}))'
 
 
 @pytest.mark.long

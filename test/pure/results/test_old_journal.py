@@ -11,7 +11,7 @@ import pytest
 from helpers.competition import OBJECTS, UTC0, competition, event
 from helpers.journaled import NO_LISTENING, JournaledDriver
 from roah_rsbb.core.views.schedule import schedule
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import RunName
 from roah_rsbb.model.records import Phase
@@ -55,7 +55,7 @@ def _config():
 
 @pytest.fixture
 def folder(tmp_path):
-    directory = tmp_path / "0" / FILE_NAME
+    directory = tmp_path / "0" / JOURNAL
     directory.mkdir(parents=True)
     (directory / SEGMENT).write_bytes(lzma.decompress(OLD.read_bytes()))
     return tmp_path
@@ -115,14 +115,14 @@ def test_standings_are_made_of_the_old_runs(driver):
 
 def _results(folder, capsys, *arguments):
     with pytest.raises(SystemExit) as ended:
-        program.main(["--journal", str(folder / "0" / FILE_NAME), *arguments])
+        program.main(["--journal", str(folder / "0" / JOURNAL), *arguments])
     found = capsys.readouterr()
     assert (ended.value.code, "damage" in found.err) == (0, False)
     return found.out
 
 
 def test_results_reads_it(folder, capsys):
-    before = (folder / "0" / FILE_NAME / SEGMENT).read_bytes()
+    before = (folder / "0" / JOURNAL / SEGMENT).read_bytes()
     listed = _results(folder, capsys, "list").splitlines()
     assert len(listed) == 1 + len(RUNS)
     runs = json.loads(_results(folder, capsys, "export", "--json", "-"))["runs"]
@@ -132,4 +132,4 @@ def test_results_reads_it(folder, capsys):
         shown = _results(folder, capsys, "show", identity)
         assert identity in shown
         assert (f"signed off by {who}" in shown) is bool(who)
-    assert (folder / "0" / FILE_NAME / SEGMENT).read_bytes() == before, "reading changes nothing"
+    assert (folder / "0" / JOURNAL / SEGMENT).read_bytes() == before, "reading changes nothing"

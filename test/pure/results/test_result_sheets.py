@@ -8,8 +8,8 @@ import pytest
 from helpers.journals import UTC0, Writer
 from helpers.results_of import EVIL, full_record, task_record, write_full_run
 from helpers.time_zones import local_time
-from roah_rsbb.journal.batch import Batch, OutcomeRow
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.journal.records import Batch, OutcomeRow
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, PhaseTime
 from roah_rsbb.results.events import box_states, robot_states, sections

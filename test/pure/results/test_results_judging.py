@@ -11,8 +11,8 @@ from helpers import journaled
 from helpers.competition import BUMPS, DOOR
 from helpers.jury import Jury, judged
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.journal import kinds
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.journal.records import Kind
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.results.anonymous import names_of
 from roah_rsbb.results.dataset import DatasetOptions, write_dataset
@@ -70,7 +70,7 @@ def test_the_sheet_has_proposals_settlements_and_objections(jury):
     assert value["judging"]["settlements"][0]["proposals"] == [["Ann", "41"], ["Ben", "43"]]
     assert value["publication"]["objections"][0]["answer"] == "the video shows them"
     json.dumps(value)
-    assert [e["kind"] for e in value["entries"] if e["kind"] == kinds.PUBLICATION] == [kinds.PUBLICATION] * 3
+    assert [e["kind"] for e in value["entries"] if e["kind"] == Kind.PUBLICATION] == [Kind.PUBLICATION] * 3
 
 
 def test_ratings_are_what_each_judge_gave_also_where_they_were_settled(tmp_path):

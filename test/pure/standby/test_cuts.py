@@ -23,7 +23,8 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.copies import STANDBY, SYNC_S, CopyReport
 from roah_rsbb.journal import epochs
-from roah_rsbb.journal.file import FILE_NAME, CoreSession, Resume
+from roah_rsbb.journal.contents import FIRST
+from roah_rsbb.journal.log_dir import JOURNAL, CoreSession, Resume
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.scoring import ScoreKind
@@ -78,7 +79,7 @@ class World:
         self.is_copying = self.is_asked = False
         self.copy_number = 0
         self.entered, self.confirmed, self.warned = {}, set(), set()  # marks, which are numbers from 1
-        self.claims = {Side.BOX: Claim(epochs.FIRST, 0, {}), Side.STANDBY: None}
+        self.claims = {Side.BOX: Claim(FIRST, 0, {}), Side.STANDBY: None}
         self.claims[Side.BOX].use({PAIR: Side.BOX})
         self.lost_in_a_row, self.both_since = dict.fromkeys(Side, 0), None
         for step in (self.report, self.look):
@@ -212,7 +213,7 @@ class World:
         """What the program `standby takeover` does; returns the value that the new box has."""
         self.receiver.close()
         self.has_taken_over = True
-        standing = epochs.raise_epoch(str(self.far / FILE_NAME), self.driver.now.utc, "standby")
+        standing = epochs.raise_epoch(str(self.far / JOURNAL), self.driver.now.utc, "standby")
         self.claims[Side.STANDBY] = Claim(standing.epoch, standing.cut, {PAIR: Side.STANDBY})
         now, troubles = self.driver.now, []
         session = CoreSession(now.utc, now.mono, "boot 2", 2, "uuid 2", "")

@@ -22,9 +22,11 @@ from roah_rsbb.copies.copy import CannotReadJournal
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.copies.segments import JournalSegments
 from roah_rsbb.ground import durable
-from roah_rsbb.journal import kinds, log
-from roah_rsbb.journal.epochs import raise_epoch, superseded_value
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal import log
+from roah_rsbb.journal.contents import superseded_value
+from roah_rsbb.journal.epochs import raise_epoch
+from roah_rsbb.journal.log_dir import JOURNAL
+from roah_rsbb.journal.records import Kind
 from roah_rsbb.standby import channel as channels
 from roah_rsbb.standby import standby_end
 from roah_rsbb.standby.box_end import MAX_STRANGERS, REPLACED_S, BoxEnd
@@ -605,7 +607,7 @@ def taken_over(ends):
     assert ends.is_complete()
     end.end()
     ends.follower.close()
-    raise_epoch(str(ends.far / FILE_NAME), 0.0, "second")
+    raise_epoch(str(ends.far / JOURNAL), 0.0, "second")
     write_standby(str(ends.far), PairedStandby("the box before", hashed(rejoin_key(hashed(box.key))), HOST, box.port,
                                                is_awaited=True))
 
@@ -635,7 +637,7 @@ def test_words_pass_in_both_directions(ends, core):
     assert (to_old.side, to_old.epoch, to_old.claims, to_old.cut) == (Side.STANDBY, 2, True, 2)
     assert (to_new.side, to_new.epoch, to_new.claims) == (Side.BOX, 1, True)
     assert is_alive(read_box(str(ends.far)), 5.0)
-    ends.writer.entry(kinds.EPOCH, superseded_value(2, 1, HOST), port=None)
+    ends.writer.entry(Kind.EPOCH, superseded_value(2, 1, HOST), port=None)
     assert not is_alive(read_box(str(ends.far)), 5.0)
 
 
@@ -692,7 +694,7 @@ def test_only_the_box_that_took_over_can_be_rejoined(ends, tmp_path):
 def test_a_superseded_box_gives_no_copy(ends):
     """It would replace the journal of its successor."""
     box = ends.pair()
-    ends.writer.entry(kinds.EPOCH, superseded_value(2, 1, HOST), port=None)
+    ends.writer.entry(Kind.EPOCH, superseded_value(2, 1, HOST), port=None)
     channel, _ = channels.connect(HOST, ends.box.port)
     channel.send({"do": "copy", "key": box.key})
     assert "superseded" in channel.receive()["refused"]

@@ -16,7 +16,8 @@ from helpers.journals import Writer
 from roah_rsbb.copies import segments
 from roah_rsbb.copies.copy import CannotWriteCopy, Part
 from roah_rsbb.copies.follower import Follower
-from roah_rsbb.journal.file import FILE_NAME, boot_id
+from roah_rsbb.ground.linux import boot_id
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.standby.clocks import SAMPLES, Ahead, ahead_of
 from roah_rsbb.standby.messages import BadMessage, decode, encode
 from roah_rsbb.standby.remote import BEAT_S, Receiver, RemoteCopy
@@ -256,7 +257,7 @@ def test_a_part_that_comes_again(ends):
 def test_a_part_that_does_not_continue_the_copy(ends):
     """Something else wrote into the folder of the standby."""
     assert ends.is_complete()
-    for path in (ends.far / FILE_NAME).iterdir():
+    for path in (ends.far / JOURNAL).iterdir():
         path.write_bytes(b"")
     ends.writer.entry("/notification", 1)
     ends.follower.step()

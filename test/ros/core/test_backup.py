@@ -19,9 +19,9 @@ from support.referee_program import called
 from support.robots import BOX, RSBB_PORT
 from support.waiting import LIMIT_S, wait_until
 
-from roah_rsbb.journal import kinds
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.journal.reader import JournalError
+from roah_rsbb.journal.records import Kind
 from roah_rsbb.msg import CoreToPublic
 from roah_rsbb.standby.program.copying import LOCK
 
@@ -76,7 +76,7 @@ class TestBackup(OwnCoreCase):
         self.wait_no_warning(COPY)
 
         def has_it() -> bool:
-            if not folder.joinpath(FILE_NAME).exists():
+            if not folder.joinpath(JOURNAL).exists():
                 return False
             try:
                 copy = self.journal(folder)
@@ -244,7 +244,7 @@ class TestBackup(OwnCoreCase):
         self.wait_no_warning(COPY)
         self.assertEqual(mode_of(far), 0o750)
         for folder in (self.log_dir, self.stick, far):
-            journal = folder / FILE_NAME
+            journal = folder / JOURNAL
             wait_until(lambda journal=journal: journal.is_dir() and list(journal.glob("*.log")), f"{journal} is there")
             self.assertEqual(mode_of(journal), 0o750)
             self.assertEqual(set(modes_of(journal.iterdir()).values()), {0o640})
@@ -263,7 +263,7 @@ class TestBackup(OwnCoreCase):
         """Return the referee's marks in a journal."""
         journal = self.journal(folder)
         return [entry.value for run in journal.runs() for entry in journal.entries(run.identity)
-                if entry.kind == kinds.COMMAND and DOOR[1] in str(entry.value)]
+                if entry.kind == Kind.COMMAND and DOOR[1] in str(entry.value)]
 
     def entries(self, folder: pathlib.Path) -> List[Any]:
         """Return all entries of runs in a journal."""

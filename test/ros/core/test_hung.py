@@ -24,8 +24,8 @@ from support.waiting import LIMIT_S, wait_until
 from helpers.forms import answer_in, form
 from roah_rsbb.document.written import read
 from roah_rsbb.ground.signs_of_life import SIGN
-from roah_rsbb.journal import kinds
-from roah_rsbb.journal.file import FILE_NAME, holder_of
+from roah_rsbb.journal.log_dir import JOURNAL, holder_of
+from roah_rsbb.journal.records import Kind
 from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.model.results import RunSheet
 
@@ -120,7 +120,7 @@ class TestHungCore(OwnCoreCase):
         for _ in range(STEADY_SIGNS):  # otherwise it would be one of several that failed in succession
             self.systemd.recv(256)
         folders = [path.name for path in self.log_dir.iterdir() if path.is_dir()]
-        self.assertEqual(folders, [FILE_NAME], "no other journal")
+        self.assertEqual(folders, [JOURNAL], "no other journal")
         self.assert_marks()
         print(f"hung in phase '{phase}': the next core was heard after {self.took_s[phase]:.2f} s, call acknowledged: "
               f"{bool(acknowledged)}")
@@ -141,7 +141,7 @@ class TestHungCore(OwnCoreCase):
         if self.identity:
             # The sheet counts quick changes of an item as one.
             found = [entry.value["value"] for entry in self.journal(self.log_dir).entries(self.identity)
-                     if entry.kind == kinds.COMMAND and entry.value.get("item") == ITEM[1]]
+                     if entry.kind == Kind.COMMAND and entry.value.get("item") == ITEM[1]]
             self.assertEqual([value for value in self.marked if value not in found], [], f"lost; there are {found}")
             history = self.sheet().history
             self.assertEqual(history[-1].value if history else 0, found[-1] if found else 0)

@@ -12,7 +12,7 @@ from support.robots import BOX, CONFIG, RSBB_PORT, Robot
 from support.waiting import wait_until
 
 from roah_rsbb.comm.peer import Peer
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 
 GROUP, OBJECTS = ITEM = ("Achievements", "Objects")
 STATES = ["STOP", "PREPARE", "WAITING_RESULT", "STOP"]
@@ -116,7 +116,7 @@ class TestKilledOnce(OwnCoreCase):
         self.box.wait_phase("Home", "running")
         self.assertEqual(self.box.zone_details("Home").port, port, "the run continues")
         folders = [path.name for path in self.log_dir.iterdir() if path.is_dir()]
-        self.assertEqual(folders, [FILE_NAME], "in the same journal")
+        self.assertEqual(folders, [JOURNAL], "in the same journal")
         alpha.let("execute")
         self.box.wait_text("Home", "Benchmark completed by the robot")
 

@@ -18,7 +18,7 @@ from support.own_core import OwnCoreCase
 from support.programs import Program, own, run
 from support.waiting import wait_until
 
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.model.document import REPLAY as PREFIX
 from roah_rsbb.model.document import Document
 from roah_rsbb.ros.places import REPLAY, live_core
@@ -40,7 +40,7 @@ class TestReplay(OwnCoreCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         log_dir = pathlib.Path(folder.name)
-        journal = str(log_dir / FILE_NAME)
+        journal = str(log_dir / JOURNAL)
         self.start_core(log_dir)
         robot = self.robot("Alpha")
         self.box.connect("Home")

@@ -20,7 +20,7 @@ from support.robots import CONFIG, RSBB_PORT
 from support.waiting import wait_until
 
 from roah_rsbb.client.places import read_place
-from roah_rsbb.journal.file import holder_of
+from roah_rsbb.journal.log_dir import holder_of
 from roah_rsbb.nodes.core.node import NO_MASTER
 from roah_rsbb.standby.program.copying import LOCK
 

@@ -16,7 +16,7 @@ from support.programs import Program, own
 from support.robots import BOX, BROADCAST, RSBB_PORT
 from support.waiting import LIMIT_S, wait_until
 
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 
 ZONES = ["Task Benchmarks", "Functionality Benchmarks"]
 # A team that has an address in the tests; its password is a new one.
@@ -60,10 +60,10 @@ class TestNewCompetition(NetworkCase):
     def others_may_not_read(self, log_dir: str) -> None:
         """Only the owner writes, and only the group reads."""
         modes = {name: os.stat(os.path.join(log_dir, name)).st_mode & 0o777 for name in (".", *os.listdir(log_dir))}
-        self.assertEqual((modes.pop("."), modes.pop(FILE_NAME)), (0o750, 0o750))
+        self.assertEqual((modes.pop("."), modes.pop(JOURNAL)), (0o750, 0o750))
         self.assertLessEqual({"configuration.json", "used_private_ports"}, set(modes))
-        for name in os.listdir(os.path.join(log_dir, FILE_NAME)):
-            modes[name] = os.stat(os.path.join(log_dir, FILE_NAME, name)).st_mode & 0o777
+        for name in os.listdir(os.path.join(log_dir, JOURNAL)):
+            modes[name] = os.stat(os.path.join(log_dir, JOURNAL, name)).st_mode & 0o777
         self.assertEqual(modes.pop("door.json"), 0o600)
         self.assertEqual(set(modes.values()), {0o640}, modes)
 

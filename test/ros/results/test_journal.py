@@ -14,7 +14,7 @@ from support.robots import host_of
 from support.waiting import LIMIT_S, wait_until
 
 from roah_rsbb.ground.installed import shipped_folder
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.journal.reader import JournalReader
 
 ZONE = "Home"
@@ -45,7 +45,7 @@ class ResultsCase(BoxCase):
 
     def links(self, port: int) -> List[Dict[str, Any]]:
         """The link record of a robot so far."""
-        return [link.sample for link in JournalReader(os.path.join(self.log_dir, FILE_NAME)).links(port)]
+        return [link.sample for link in JournalReader(os.path.join(self.log_dir, JOURNAL)).links(port)]
 
     def wait_link(self, port: int, **sums: int) -> None:
         """Wait until the link record has reached these counts."""

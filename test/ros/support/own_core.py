@@ -5,7 +5,7 @@ import signal
 from typing import Any, Dict, List, Tuple
 
 from roah_rsbb.client.places import PARAM
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.run_log import KINDS, LogKind
 from support.box_case import NetworkCase
@@ -67,7 +67,7 @@ class OwnCoreCase(NetworkCase):
 
     def journal(self, log_dir: pathlib.Path) -> JournalReader:
         """The present journal, as of a running box."""
-        return JournalReader(str(log_dir / FILE_NAME))
+        return JournalReader(str(log_dir / JOURNAL))
 
     def journaled(self, log_dir: pathlib.Path, port: int) -> List[Tuple[str, Any]]:
         """Return the journal's entries of a robot's run log: topic and value."""

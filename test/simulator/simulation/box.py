@@ -10,7 +10,7 @@ from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.document import Documents
-from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.journal.log_dir import PortRecord
 
 from .air import BROADCAST
 from .backup import Backup

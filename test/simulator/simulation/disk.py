@@ -9,11 +9,10 @@ import errno
 import os
 from typing import Dict, List, Optional, Tuple
 
-from roah_rsbb.journal import file as files
 from roah_rsbb.journal import log
-from roah_rsbb.journal.file import Resume
-from roah_rsbb.journal.store import Journal
-from roah_rsbb.journal.syncer import RETRY_S
+from roah_rsbb.journal import log_dir as log_dirs
+from roah_rsbb.journal.log_dir import Resume
+from roah_rsbb.journal.store import RETRY_S, Journal
 
 from .scheduler import Ended
 
@@ -111,7 +110,7 @@ class Storage:
     def open_journal(self, process):
         """Return what opens the journal for a core."""
         def make(session, events, on_trouble):
-            lock = files.lock(self.folder)
+            lock = log_dirs.lock(self.folder)
             self._lock = lock.fd
             self._journal = Journal(
                 self.folder, session, events, Resume.ALWAYS, on_trouble, lock, Files(self, process),
@@ -322,7 +321,7 @@ class Files(log.Files):
 
 
 class Syncer:
-    """Stands for `journal.syncer.Syncer`, without its thread."""
+    """Stands for `journal.store.Syncer`, without its thread."""
 
     def __init__(self, process, storage, work, group_s):
         self._process, self._storage, self._work, self._group_s = process, storage, work, group_s

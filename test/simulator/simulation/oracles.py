@@ -7,7 +7,7 @@ import sys
 from roah_rsbb.box.journal import ZONE_STATE
 from roah_rsbb.core.runs.run import Run
 from roah_rsbb.journal import epochs
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.protocol import wire_ns
 from roah_rsbb.rulebook.benchmarks import Durable
@@ -228,7 +228,7 @@ class Oracles:
             return
         world.ledger.check_all(core)
         for box in self._superseded:  # it stays so after each restart
-            if not epochs.standing_in(os.path.join(box.storage.folder, FILE_NAME)).is_superseded:
+            if not epochs.standing_in(os.path.join(box.storage.folder, JOURNAL)).is_superseded:
                 self.fail("superseded", f"{box.computer.name} is, and its journal does not say so")
         numbers, holes = world.box.storage.records()
         if holes or numbers != list(range(1, len(numbers) + 1)):

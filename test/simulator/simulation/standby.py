@@ -11,7 +11,7 @@ import stat
 
 from roah_rsbb.copies.folder import drop_drafts
 from roah_rsbb.journal import epochs
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.standby import clocks
 from roah_rsbb.standby.messages import decode, encode
 from roah_rsbb.standby.pairing import hashed
@@ -81,7 +81,7 @@ class Standby:
         self._disturbed = self._heard = world.scheduler.now
         self._apart = [world.scheduler.now]  # moments at which the two computers did not work together
         os.makedirs(folder)
-        self._disk = StandbyDisk(os.path.join(folder, FILE_NAME), computer)
+        self._disk = StandbyDisk(os.path.join(folder, JOURNAL), computer)
         self.has = self._disk.has
         os.makedirs(box.storage.folder, exist_ok=True)
         write_standby(box.storage.folder, PairedStandby("standby", hashed(KEY), computer.host, PORT))
@@ -161,18 +161,18 @@ class Standby:
         if self.has_taken_over or world.scheduler.now - self._heard < SILENT_S:
             world.trace.note("takeover refused: the box is heard")
             return
-        if not os.path.isdir(os.path.join(self.folder, FILE_NAME)):
+        if not os.path.isdir(os.path.join(self.folder, JOURNAL)):
             world.trace.note("takeover refused: there is no copy")
             return
         self.has_taken_over = True
         self._process.end()
         drop_drafts(self.folder)
-        standing = epochs.raise_epoch(os.path.join(self.folder, FILE_NAME), self.computer.utc(), "standby")
+        standing = epochs.raise_epoch(os.path.join(self.folder, JOURNAL), self.computer.utc(), "standby")
         before = self._box.computer
         write_standby(self.folder, PairedStandby("the box before", hashed(rejoin_key(hashed(KEY))), before.host, PORT))
         world.trace.note(f"takeover, epoch {standing.epoch}")
         storage = Storage(self.folder, world.scheduler, world.storage.random, world.random_bytes)
-        storage.adopt(os.path.join(self.folder, FILE_NAME))
+        storage.adopt(os.path.join(self.folder, JOURNAL))
         world.taken_over(Box(world, self.computer, storage, world.config, standby_port=PORT))
 
     def _way_s(self):

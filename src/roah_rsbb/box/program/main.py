@@ -92,7 +92,7 @@ def serve(make: Callable[["asyncio.AbstractEventLoop"], Any], work: Callable[[An
     import asyncio
 
     from roah_rsbb.ground.linux import end_loop, on_end
-    from roah_rsbb.journal.file import DamagedJournal
+    from roah_rsbb.journal.log_dir import DamagedJournal
     from roah_rsbb.rulebook.errors import ConfigErrors
 
     loop = asyncio.new_event_loop()

@@ -6,7 +6,7 @@ import os
 import sys
 from typing import Iterator, List
 
-from roah_rsbb.journal.in_force import FILE_NAME, kept_files
+from roah_rsbb.journal.log_dir import CONFIGURATION, kept_files
 from roah_rsbb.journal.reader import JournalReader, journal_in
 from roah_rsbb.results.runs import RunResult, find_record, run_result
 from roah_rsbb.rulebook.text_files import known
@@ -42,8 +42,8 @@ def file(options: argparse.Namespace, name: str) -> str:
     path = _found(options, name)
     if os.path.dirname(path) == options.config_dir and not (options.kept or options.has_files):
         options.has_files = True  # once
-        warn(f"there is no {FILE_NAME} in {_log_dir(options)}, and no file of the competition beside it: those of "
-             f"{options.config_dir} are used, so ranks and what counts may differ from the box. Copy {FILE_NAME} "
+        warn(f"there is no {CONFIGURATION} in {_log_dir(options)}, and no file of the competition beside it: those of "
+             f"{options.config_dir} are used, so ranks and what counts may differ from the box. Copy {CONFIGURATION} "
              f"together with the journal, or put {BENCHMARKS_FILE}, {SCHEDULE_FILE} and {RULES_FILE} beside it")
     return path
 
@@ -61,7 +61,7 @@ def _beside(options: argparse.Namespace, name: str) -> str:
 
 def _kept_path(options: argparse.Namespace, name: str) -> str:
     """How errors name a file that the box kept."""
-    return f"{os.path.join(_log_dir(options), FILE_NAME)}, {name}"
+    return f"{os.path.join(_log_dir(options), CONFIGURATION)}, {name}"
 
 
 def _log_dir(options: argparse.Namespace) -> str:

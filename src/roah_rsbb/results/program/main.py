@@ -8,7 +8,7 @@ from typing import Any, Callable, List, NoReturn, Optional
 
 from roah_rsbb.ground.arguments import Parser, called
 from roah_rsbb.ground.installed import NotShipped, shipped_folder
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.journal.processes import ProcessEnded
 from roah_rsbb.journal.reader import JournalError
 from roah_rsbb.model import run_log
@@ -207,7 +207,7 @@ def _add_recovery(commands: Any) -> None:
 def _add_source(parser: argparse.ArgumentParser) -> None:
     """Options that are allowed before and after the command."""
     parser.add_argument("--journal", metavar="FOLDER", default=argparse.SUPPRESS,
-                        help=f"the journal; default: {FILE_NAME} in the log_dir")
+                        help=f"the journal; default: {JOURNAL} in the log_dir")
     parser.add_argument("--log-dir", metavar="DIR", default=argparse.SUPPRESS,
                         help=f"the box's log_dir; default: {LOG_DIR}")
     parser.add_argument("--utc", action="store_true", default=argparse.SUPPRESS, help="show times in UTC")

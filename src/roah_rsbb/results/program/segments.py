@@ -4,7 +4,7 @@ import argparse
 import glob
 import os
 
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.results.program.journal import Usage, open_journal, warn
 from roah_rsbb.results.runs import find_record, records
@@ -15,7 +15,7 @@ from roah_rsbb.wording.times import date_time
 def journals(options: argparse.Namespace) -> int:
     """The command of this name."""
     log_dir = os.path.expanduser(options.log_dir)
-    found = glob.glob(os.path.join(glob.escape(log_dir), f"{FILE_NAME}*"))
+    found = glob.glob(os.path.join(glob.escape(log_dir), f"{JOURNAL}*"))
     paths = sorted(path for path in found if os.path.isdir(path))
     if not paths:
         raise Usage(f"there are no journals in {log_dir}: give the box's log_dir with --log-dir DIR")

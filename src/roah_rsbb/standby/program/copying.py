@@ -32,7 +32,7 @@ from roah_rsbb.ground import linux
 from roah_rsbb.ground.durable import close_to_others
 from roah_rsbb.ground.params import BadParams
 from roah_rsbb.ground.signs_of_life import Lifeline
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.reason import Refused, encode
 from roah_rsbb.standby import codes
@@ -236,7 +236,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> None:
         copying = Copying(settings, NAME, lambda: read_place(door_file_in(settings.log_dir)), lifeline)
     except (BadParams, OSError) as error:
         sys.exit(f"The journal is not copied: {error}")
-    journal_lock, left_s = os.path.join(settings.log_dir, f"{FILE_NAME}.lock"), 0.0
+    journal_lock, left_s = os.path.join(settings.log_dir, f"{JOURNAL}.lock"), 0.0
     while not ended.wait(PERIOD_S) and left_s < LEFT_S:
         copying.report()
         # Without its parent, it copies and hands over as long as there is a box.

@@ -18,7 +18,7 @@ from typing import Callable, Optional, Tuple
 
 from roah_rsbb.ground.signs_of_life import CONNECTED, LOOK_S, STANDBY, TAKEN, Lifeline, Watch
 from roah_rsbb.journal import epochs
-from roah_rsbb.journal import file as files
+from roah_rsbb.journal import log_dir as log_dirs
 from roah_rsbb.journal.log import NewerFormat
 from roah_rsbb.standby.remote import CoreState
 
@@ -108,7 +108,7 @@ class Handover:
         if self._is_refused and self._lifeline.has_supervisor:
             return  # it stops the robots: see `box/program/supervisor.py`
         self._watch.kill()
-        lock: Optional[files.Lock] = None
+        lock: Optional[log_dirs.Lock] = None
         holder, owner = 0, Owner.HUNG
         if self._watch.is_gone:  # otherwise it has the journal
             lock, holder, owner = self._lock()
@@ -138,16 +138,16 @@ class Handover:
             self._inform()
         return event.is_set()
 
-    def _lock(self) -> Tuple[Optional[files.Lock], int, Owner]:
+    def _lock(self) -> Tuple[Optional[log_dirs.Lock], int, Owner]:
         """Lock the journal, if the disk allows that in time; returns the lock, or who has it."""
-        trial = _Trial(functools.partial(files.lock, self._log_dir))
+        trial = _Trial(functools.partial(log_dirs.lock, self._log_dir))
         self._wait(trial.ended, LOCK_S)
         lock = trial.take()
         if lock is not None:
             return lock, 0, Owner.NOBODY
-        return None, files.holder_of(self._log_dir), Owner.NEXT if trial.ended.is_set() else Owner.HUNG
+        return None, log_dirs.holder_of(self._log_dir), Owner.NEXT if trial.ended.is_set() else Owner.HUNG
 
-    def _hand_over(self, lock: Optional[files.Lock], holder: int) -> None:
+    def _hand_over(self, lock: Optional[log_dirs.Lock], holder: int) -> None:
         if holder:
             with contextlib.suppress(OSError):
                 os.kill(holder, signal.SIGKILL)
@@ -176,15 +176,15 @@ class Handover:
 class _Trial:
     """Locks the journal in a thread of its own. A lock that comes too late is given back."""
 
-    def __init__(self, lock: Callable[[], files.Lock]) -> None:
+    def __init__(self, lock: Callable[[], log_dirs.Lock]) -> None:
         self.ended = threading.Event()
         self._lock, self._is_late, self._mutex = lock, False, threading.Lock()
-        self._found: Optional[files.Lock] = None
+        self._found: Optional[log_dirs.Lock] = None
         threading.Thread(target=self._work, name="lock for the handover", daemon=True).start()
 
     def _work(self) -> None:
-        found: Optional[files.Lock] = None
-        with contextlib.suppress(files.CannotWriteJournal):
+        found: Optional[log_dirs.Lock] = None
+        with contextlib.suppress(log_dirs.CannotWriteJournal):
             found = self._lock()
         with self._mutex:
             if self._is_late and found is not None:
@@ -193,7 +193,7 @@ class _Trial:
                 self._found = found
         self.ended.set()
 
-    def take(self) -> Optional[files.Lock]:
+    def take(self) -> Optional[log_dirs.Lock]:
         """Return the lock; None: there is none, and none is kept that comes from now on."""
         with self._mutex:
             self._is_late = True

@@ -24,10 +24,11 @@ from roah_rsbb.comm import sockets
 from roah_rsbb.copies.folder import drop_drafts
 from roah_rsbb.ground import durable, linux
 from roah_rsbb.ground.arguments import Parser, called, is_without_ros, number, read_by, typed, without_ros
-from roah_rsbb.journal import epochs, in_force
-from roah_rsbb.journal.contents import open_journal
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal import epochs
+from roah_rsbb.journal import log_dir as log_dirs
+from roah_rsbb.journal.contents import BoxEpoch, open_journal
 from roah_rsbb.journal.log import NewerFormat, names_in
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.rulebook.config import ScheduleSettings, settings_in
 from roah_rsbb.rulebook.text_files import known
@@ -172,7 +173,7 @@ def _code(_options: argparse.Namespace, folder: str) -> int:
 
 def _runs_in(folder: str) -> bool:
     """Whether a box runs with this log_dir."""
-    return linux.is_locked(os.path.join(folder, f"{FILE_NAME}.lock"))
+    return linux.is_locked(os.path.join(folder, f"{JOURNAL}.lock"))
 
 
 def _check_owner(folder: str) -> None:
@@ -240,11 +241,11 @@ def _address(host: str) -> str:
 
 
 def _has_journal(folder: str) -> bool:
-    return bool(names_in(os.path.join(folder, FILE_NAME)))
+    return bool(names_in(os.path.join(folder, JOURNAL)))
 
 
-def _standing(folder: str) -> epochs.BoxEpoch:
-    return epochs.standing_in(os.path.join(folder, FILE_NAME))
+def _standing(folder: str) -> BoxEpoch:
+    return epochs.standing_in(os.path.join(folder, JOURNAL))
 
 
 def _rejoin(options: argparse.Namespace, folder: str) -> int:
@@ -346,7 +347,7 @@ def _give_back_address(folder: str) -> None:
 
 
 def _check_unused(folder: str) -> None:
-    for name in (LOCK, f"{FILE_NAME}.lock"):
+    for name in (LOCK, f"{JOURNAL}.lock"):
         lock = os.path.join(folder, name)
         if linux.is_locked(lock):
             raise Denied(f"another program uses {folder} (process {_noted_pid(lock) or 'unknown'}): end it first. If "
@@ -402,7 +403,7 @@ def _durable_of(folder: str) -> str:
 
 def _settings_of(folder: str) -> Optional[ScheduleSettings]:
     """Return the settings in the schedule in force; None: they are not known here."""
-    kept = in_force.read_in_force(folder)
+    kept = log_dirs.read_in_force(folder)
     text = None if kept is None else kept.versions[kept.present].texts[1]
     if text is None:
         return None
@@ -416,7 +417,7 @@ def _use_zone(folder: str) -> None:
     times.use_zone("" if settings is None else settings.time_zone)
 
 
-def _status_of_box(standby: Optional[PairedStandby], standing: epochs.BoxEpoch) -> Iterator[str]:
+def _status_of_box(standby: Optional[PairedStandby], standing: BoxEpoch) -> Iterator[str]:
     if standing.is_superseded:
         yield f"This computer was the box. The one at {standing.by} took over"
     if standby is None:
@@ -482,7 +483,7 @@ def _takeover(options: argparse.Namespace, folder: str) -> int:
 
 def _is_running_box(folder: str, standby: Optional[PairedStandby]) -> bool:
     """Whether this computer took over before, and its box runs."""
-    return standby is not None and linux.is_locked(os.path.join(folder, f"{FILE_NAME}.lock"))
+    return standby is not None and linux.is_locked(os.path.join(folder, f"{JOURNAL}.lock"))
 
 
 def _take_address_or_refuse(folder: str, box: PairedBox) -> None:
@@ -514,7 +515,7 @@ def _become_box(folder: str, box: Optional[PairedBox], arguments: Sequence[str])
     standing = _standing(folder)
     is_box = read_standby(folder) is not None  # this computer took over before, and starts again
     if not is_box or standing.is_superseded:
-        standing = epochs.raise_epoch(os.path.join(folder, FILE_NAME), time.time(), socket.gethostname())
+        standing = epochs.raise_epoch(os.path.join(folder, JOURNAL), time.time(), socket.gethostname())
     if box is not None and not is_box:
         # The box before can become the standby of this one.
         write_standby(folder, PairedStandby("the box before", hashed(rejoin_key(hashed(box.key))), box.host, box.port,
@@ -551,7 +552,7 @@ def _claim_again(folder: str, standby: PairedStandby, anyway: bool) -> int:
     if not anyway and is_open(standby.host, standby.port, ALIVE_S):
         raise Denied(f"The box at {standby.host} answers. If it must not continue, switch it off. To take over in any "
                      "case: --anyway")
-    standing = epochs.raise_epoch(os.path.join(folder, FILE_NAME), time.time(), socket.gethostname(), above)
+    standing = epochs.raise_epoch(os.path.join(folder, JOURNAL), time.time(), socket.gethostname(), above)
     print(f"Epoch {standing.epoch}. Start the box as before. What the other box recorded is not here", flush=True)
     return 0
 
@@ -583,7 +584,7 @@ def launch_command(folder: str, arguments: Sequence[str]) -> List[str]:
 
 def _write_files(folder: str) -> Dict[str, str]:
     """Write the configuration files of the box; returns the arguments with their paths."""
-    kept = in_force.kept_files(folder)
+    kept = log_dirs.kept_files(folder)
     if not kept:
         raise Denied(f"the copy in {folder} has no configuration: it is not complete. Use resume and the files of "
                      "the competition, see docs/standby.md")
@@ -618,7 +619,7 @@ def _network(folder: str, arguments: Sequence[str]) -> Dict[str, str]:
 
 def end_follower(folder: str) -> None:
     """End the program that keeps the copy. Raises `Denied`."""
-    paths = [os.path.join(folder, name) for name in (LOCK, f"{FILE_NAME}.lock")]
+    paths = [os.path.join(folder, name) for name in (LOCK, f"{JOURNAL}.lock")]
     deadline, asked = time.monotonic() + END_S, 0
     while any(map(linux.is_locked, paths)):
         pid = next(filter(None, map(_holder, paths)), 0)
@@ -651,7 +652,7 @@ def _holder(path: str) -> int:
 
 def last_moment(folder: str) -> str:
     """Return what the newest entry of the copy is, as a sentence. A box without runs adds none."""
-    utc = open_journal(os.path.join(folder, FILE_NAME)).contents.utc
+    utc = open_journal(os.path.join(folder, JOURNAL)).contents.utc
     if not utc:
         return "The copy is empty"
     _use_zone(folder)

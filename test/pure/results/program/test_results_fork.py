@@ -3,8 +3,8 @@
 
 from helpers.competition import run_record
 from helpers.journals import Writer
-from roah_rsbb.journal import kinds
-from roah_rsbb.journal.epochs import superseded_value
+from roah_rsbb.journal.contents import superseded_value
+from roah_rsbb.journal.records import Kind
 from roah_rsbb.results.program import main as program
 
 
@@ -25,7 +25,7 @@ def test_the_runs_that_only_the_old_box_has(tmp_path, capsys, monkeypatch):
     assert "took over" not in warnings_of(writer, capsys, monkeypatch)
     both = writer.journal.number_of(writer.journal.committed)
     writer.entry("/notification", "only here", identity="second")
-    writer.entry(kinds.EPOCH, superseded_value(2, both, "10.0.0.3"), port=None)
+    writer.entry(Kind.EPOCH, superseded_value(2, both, "10.0.0.3"), port=None)
     writer.close()
     warning = warnings_of(writer, capsys, monkeypatch)
     assert "the box at 10.0.0.3 took over" in warning and f"after record {both}: run 2 (1 entries)" in warning

@@ -14,9 +14,9 @@ import pytest
 
 from helpers.journals import UTC0, Writer, spoil
 from helpers.results_of import EVIL, full_record, keep_files, task_record, write_competition
-from roah_rsbb.journal.batch import Batch, OutcomeRow
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.journal.records import Batch, OutcomeRow
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, PhaseTime, RunRecord, ScoreEntry, ScoreValue
 from roah_rsbb.model.saved import freeze
@@ -416,7 +416,7 @@ def test_json_has_all(run, tmp_path):
     assert run("export", "--json", path)[0] == 0
     data = json.loads(path.read_text(encoding="utf-8"))
     assert (data["format"], data["version"], len(data["runs"])) == ("roah_rsbb results", 2, 5)
-    assert data["journal"] == FILE_NAME, "no path: the same journal gives the same bytes"
+    assert data["journal"] == JOURNAL, "no path: the same journal gives the same bytes"
     first = data["runs"][0]
     assert set(RunRecord._fields) <= set(first)
     assert first["history"][1]["withdrawn_by"] == "bert"

@@ -22,7 +22,7 @@ from helpers.many_runs import write_journal
 from helpers.recorded_session import Replay, goals_of, waypoint
 from helpers.replayed import ReplayedCompetition
 from helpers.results_of import ACHIEVED, DOOR, EVIL, full_record, task_record, write_competition
-from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, PhaseTime, ScoreEntry, ScoreValue, StopRecord
@@ -319,7 +319,7 @@ def test_several_competitions(tmp_path, capsys):
     write_journal(first / "log", 6, zones=3, seconds=4)
     (tmp_path / "second").mkdir()
     write_competition(second)
-    run_program("report", first / "log" / FILE_NAME, second, "--html", tmp_path / "report", "--no-replays")
+    run_program("report", first / "log" / JOURNAL, second, "--html", tmp_path / "report", "--no-replays")
     assert "2 competitions" in capsys.readouterr().out
     page = (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
     texts = Texts(page).texts

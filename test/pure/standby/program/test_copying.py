@@ -10,7 +10,7 @@ import pytest
 from helpers.waiting import wait_until
 from roah_rsbb.copies.settings import PARENT
 from roah_rsbb.ground import linux
-from roah_rsbb.journal import file as files
+from roah_rsbb.journal import log_dir as log_dirs
 from roah_rsbb.standby.program.copying import LOCK, _only_one
 
 # It soon finds that nobody is left.
@@ -30,7 +30,7 @@ time.sleep(1000)
 @pytest.fixture
 def box(tmp_path):
     """A box that writes the journal."""
-    return files.lock(str(tmp_path))
+    return log_dirs.lock(str(tmp_path))
 
 
 @pytest.fixture

@@ -13,14 +13,14 @@ from helpers.waiting import wait_until
 from roah_rsbb.ground.linux import is_locked
 from roah_rsbb.ground.signs_of_life import LOOK_S, STARTING, Lifeline
 from roah_rsbb.journal import epochs
-from roah_rsbb.journal.file import FILE_NAME, JournalInUse, lock
+from roah_rsbb.journal.log_dir import JOURNAL, JournalInUse, lock
 from roah_rsbb.standby.program.handover import HUNG_S, NOBODY_S, STARTING_S, Handover, Owner, is_due
 from roah_rsbb.standby.remote import CoreState
 
 STANDBY = "10.1.0.3"
 CORE = """
 import sys
-from roah_rsbb.journal.file import lock
+from roah_rsbb.journal.log_dir import lock
 from roah_rsbb.ground.signs_of_life import Lifeline
 found = lock(sys.argv[1])
 Lifeline(sys.argv[1]).send()
@@ -102,7 +102,7 @@ class Box:
 
     @property
     def standing(self):
-        return epochs.standing_in(os.path.join(self.log_dir, FILE_NAME))
+        return epochs.standing_in(os.path.join(self.log_dir, JOURNAL))
 
     def close(self):
         for core in self.cores:
@@ -212,14 +212,14 @@ def test_a_disk_that_gives_no_lock(box, monkeypatch):
         taken.append(found)
         return found
     monkeypatch.setattr("roah_rsbb.standby.program.handover.LOCK_S", 0.2)
-    monkeypatch.setattr("roah_rsbb.standby.program.handover.files.lock", hang)
+    monkeypatch.setattr("roah_rsbb.standby.program.handover.log_dirs.lock", hang)
     box.has_lock = False
     box.start_core().kill()
     box.cores[-1].wait(60.0)
     box.pass_time(HUNG_S + 2 * LOOK_S)
     assert box.said[:2] == ["copy", "hand over"] and box.supervisor.says == {"taken"}
     thawed.set()
-    wait_until(lambda: taken and not is_locked(os.path.join(box.log_dir, f"{FILE_NAME}.lock")))
+    wait_until(lambda: taken and not is_locked(os.path.join(box.log_dir, f"{JOURNAL}.lock")))
 
 
 def test_a_standby_that_is_not_connected(box):

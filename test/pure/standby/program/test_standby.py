@@ -17,9 +17,8 @@ from helpers.journals import Writer
 from roah_rsbb.copies.folder import CopyFolder
 from roah_rsbb.ground import durable, linux
 from roah_rsbb.journal import epochs, log
-from roah_rsbb.journal.contents import open_journal
-from roah_rsbb.journal.file import FILE_NAME
-from roah_rsbb.journal.in_force import InForce, Texts, write_in_force
+from roah_rsbb.journal.contents import BoxEpoch, open_journal
+from roah_rsbb.journal.log_dir import JOURNAL, InForce, Texts, write_in_force
 from roah_rsbb.standby import codes
 from roah_rsbb.standby.messages import MODULES
 from roah_rsbb.standby.modules_folder import PackedModules
@@ -172,7 +171,7 @@ def test_the_address_can_be_taken_while_the_new_box_runs(copied, monkeypatch, ca
     with contextlib.closing(CopyFolder(folder)):
         entered(folder, "takeover")
     assert "is the box already" in capsys.readouterr().out
-    assert epochs.standing_in(os.path.join(folder, FILE_NAME)).epoch == 2
+    assert epochs.standing_in(os.path.join(folder, JOURNAL)).epoch == 2
 
 
 def test_a_witness_needs_the_program_ping(copied, monkeypatch):
@@ -206,13 +205,13 @@ def test_a_box_that_was_off_during_the_takeover_is_the_box_again(tmp_path, monke
     write_standby(str(old), PairedStandby("second", paired, "127.0.0.1", 1))
     write_box(str(copy), PairedBox("127.0.0.1", 1, "ff", rejoin_key(paired) if rejoined else "another"))
     for _ in range(3):
-        epochs.raise_epoch(str(copy / FILE_NAME), 1.0, "second")
+        epochs.raise_epoch(str(copy / JOURNAL), 1.0, "second")
     if not rejoined:
         with pytest.raises(standby.Denied, match="has no takeover.*--anyway"):
             entered(old, "takeover")
     entered(old, "takeover", *([] if rejoined else ["--anyway"]))
     assert f"Epoch {5 if rejoined else 3}. Start the box as before" in capsys.readouterr().out
-    assert epochs.standing_in(str(old / FILE_NAME)).epoch == (5 if rejoined else 3)
+    assert epochs.standing_in(str(old / JOURNAL)).epoch == (5 if rejoined else 3)
 
 
 @pytest.mark.parametrize("wrong", [["--automatic", "1"], ["--take-address"], ["--witness", "203.0.113.1"]])
@@ -317,7 +316,7 @@ def test_a_box_without_a_port_for_a_standby_has_no_code(copied, monkeypatch):
 
 
 def test_a_superseded_box_has_no_code(box, monkeypatch):
-    monkeypatch.setattr(standby.epochs, "standing_in", lambda _: epochs.BoxEpoch(2, superseded_by=3, by="10.0.0.3"))
+    monkeypatch.setattr(standby.epochs, "standing_in", lambda _: BoxEpoch(2, superseded_by=3, by="10.0.0.3"))
     with pytest.raises(standby.Denied, match="pair the standby with the box at 10.0.0.3"):
         entered(box, "code")
 
@@ -397,7 +396,7 @@ def test_a_box_that_hands_over_is_replaced(copied, monkeypatch, capsys):
 def test_a_standby_without_a_configuration_is_handed_nothing(copied, monkeypatch, capsys):
     keeping = Keeping(str(copied.stick), monkeypatch)
     keeping.keep()
-    monkeypatch.setattr(standby.in_force, "read_in_force", lambda folder: None)
+    monkeypatch.setattr(standby.log_dirs, "read_in_force", lambda folder: None)
     assert not keeping.on_hand_over()
     assert "the box hands over, but: the copy in" in capsys.readouterr().out
 
@@ -467,7 +466,7 @@ def test_a_superseded_box_can_be_a_standby_again(copied, monkeypatch):
     box = PairedBox("10.0.0.2", 8083, "ff", "key")
     write_box(folder, box)
     standby._become_box(folder, box, [])
-    monkeypatch.setattr(standby.epochs, "standing_in", lambda _: epochs.BoxEpoch(2, superseded_by=3))
+    monkeypatch.setattr(standby.epochs, "standing_in", lambda _: BoxEpoch(2, superseded_by=3))
     kept = []
     monkeypatch.setattr(standby, "_keep_copy", lambda *given: kept.append(given))
     entered(folder, "follow")
@@ -523,7 +522,7 @@ def demand_two(folder):
 
 def test_a_copy_is_used_while_a_part_of_it_is_written_again(copied, capsys):
     before = contents(copied.stick)
-    draft = copied.stick / FILE_NAME / f"{list(before)[-1]}{log.DRAFT}"
+    draft = copied.stick / JOURNAL / f"{list(before)[-1]}{log.DRAFT}"
     draft.write_bytes(b"the beginning")
     standby._become_box(str(copied.stick), PairedBox("127.0.0.1", 8083, "ff", "key"), [])
     assert "compare the results with the referees' notes" in capsys.readouterr().out
@@ -534,20 +533,20 @@ def test_a_copy_is_used_while_a_part_of_it_is_written_again(copied, capsys):
 
 def test_the_torn_end_of_a_copy_is_no_damage(copied, capsys):
     """After a power failure, a standby that took over continues from what is before the first gap."""
-    saved = (copied.stick / FILE_NAME / list(contents(copied.stick))[-1]).stat().st_size
+    saved = (copied.stick / JOURNAL / list(contents(copied.stick))[-1]).stat().st_size
     copied.follower = copied.new_follower()
     for number in range(2):
         copied.writer.entry("/notification", number)
         copied.save()
     assert copied.step()
     copied.follower.close()
-    path = copied.stick / FILE_NAME / list(contents(copied.stick))[-1]
+    path = copied.stick / JOURNAL / list(contents(copied.stick))[-1]
     content = bytearray(path.read_bytes())
     content[saved:saved + 32] = bytes(32)
     path.write_bytes(content)
     standby._become_box(str(copied.stick), None, [])
     assert "11:00:01 UTC" in capsys.readouterr().out
-    found = open_journal(str(copied.stick / FILE_NAME))
+    found = open_journal(str(copied.stick / JOURNAL))
     assert not found.problems and found.contents.entry == 2, "and the entry of the takeover"
 
 
