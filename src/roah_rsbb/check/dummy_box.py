@@ -14,11 +14,11 @@ import time
 from types import SimpleNamespace
 from typing import Callable, List, Optional, Sequence
 
-from roah_rsbb.bmbox.framework.dummy_world import DummyWorld
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, Pose2D, Pose3
 from roah_rsbb.bmbox.framework.parameters import read_parameters
-from roah_rsbb.bmbox.framework.registry import modules
+from roah_rsbb.bmbox.framework.rule_files import modules
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
+from roah_rsbb.bmbox.host.dummy_world import DummyWorld
 from roah_rsbb.check.box import another_box
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.channels import MakePeer, Network

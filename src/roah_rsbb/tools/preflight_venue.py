@@ -9,11 +9,8 @@ import socket
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from roah_rsbb.bmbox.framework.ground_truth import Source
-from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, GroundTruthConfig, load
-from roah_rsbb.bmbox.framework.own_rules import load_rules, own_files
-from roah_rsbb.bmbox.framework.registry import modules
-from roah_rsbb.bmbox.framework.zone_folders import file_in
-from roah_rsbb.bmbox.host.ground_truth_of_frames import FrameState, NoFrames
+from roah_rsbb.bmbox.framework.rule_files import file_in, load_rules, modules, own_files
+from roah_rsbb.bmbox.host.ground_truth_of_frames import FILE_NAME, FrameState, GroundTruthConfig, NoFrames, load
 from roah_rsbb.core.copies import NO_PORT
 from roah_rsbb.ground.arguments import is_without_ros
 from roah_rsbb.rulebook import config

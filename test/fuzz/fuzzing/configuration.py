@@ -8,9 +8,9 @@ import tempfile
 from typing import Callable, Iterator, List, Optional
 
 from fuzzing.target import Step, Target
-from roah_rsbb.bmbox.framework import ground_truth_config
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.hopf import HOPF
+from roah_rsbb.bmbox.host import ground_truth_of_frames
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.errors import MAX_ERRORS, ConfigErrors, Report
 from roah_rsbb.tablet import maps
@@ -69,7 +69,7 @@ def _load_all(data: bytes) -> None:
 
 def _load_ground_truth(data: bytes) -> None:
     try:
-        loaded = ground_truth_config.load(_FOLDER.file("ground_truth.yaml", data))
+        loaded = ground_truth_of_frames.load(_FOLDER.file("ground_truth.yaml", data))
     except ConfigErrors as errors:
         assert errors.errors
     else:

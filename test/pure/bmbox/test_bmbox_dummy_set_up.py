@@ -7,10 +7,10 @@ import pytest
 from helpers.config_files import SHIPPED
 from helpers.dummy_set_up import DummySetUp
 from helpers.examples import ALL
-from roah_rsbb.bmbox.framework.dummy_world import TABLE_SIZE
 from roah_rsbb.bmbox.framework.ground_truth import Pose3, compose, seen_from
 from roah_rsbb.bmbox.framework.parameters import read_parameters
-from roah_rsbb.bmbox.framework.registry import modules
+from roah_rsbb.bmbox.framework.rule_files import modules
+from roah_rsbb.bmbox.host.dummy_world import TABLE_SIZE
 from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.model.records import EndReason
 

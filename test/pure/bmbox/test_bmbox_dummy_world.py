@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from roah_rsbb.bmbox.framework.dummy_world import EDGE_M, FOLLOW_M, TABLE, TABLE_SIZE, TARGET_AREA, DummyWorld
 from roah_rsbb.bmbox.framework.ground_truth import Pose2D, angle_difference, distance, seen_from
+from roah_rsbb.bmbox.host.dummy_world import EDGE_M, FOLLOW_M, TABLE, TABLE_SIZE, TARGET_AREA, DummyWorld
 from roah_rsbb.model.modules import OutcomeKind, Request, RequestKind, RequestOutcome, RunForModule, Step
 
 

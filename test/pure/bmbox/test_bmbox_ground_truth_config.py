@@ -4,7 +4,7 @@ import pytest
 
 from helpers.config_files import SHIPPED
 from roah_rsbb.bmbox.framework.ground_truth import NO_TRANSFORM, NoPose, Pose3, Source
-from roah_rsbb.bmbox.framework.ground_truth_config import Marker, load
+from roah_rsbb.bmbox.host.ground_truth_of_frames import Marker, load
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 GOOD = """\

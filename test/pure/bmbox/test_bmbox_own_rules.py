@@ -5,9 +5,9 @@ import os
 import pytest
 
 from helpers.config_files import line_of
-from roah_rsbb.bmbox.framework.own_rules import load_rules, own_files
 from roah_rsbb.bmbox.framework.rehearsal import Rehearsal
-from roah_rsbb.bmbox.host.driven import Driven
+from roah_rsbb.bmbox.framework.rule_files import load_rules, own_files
+from roah_rsbb.bmbox.host.host import Driven
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 GOOD = """\

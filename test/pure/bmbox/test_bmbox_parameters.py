@@ -18,7 +18,7 @@ from roah_rsbb.bmbox.framework.parameters import (
     YesNo,
     read_parameters,
 )
-from roah_rsbb.bmbox.framework.registry import modules
+from roah_rsbb.bmbox.framework.rule_files import modules
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 SHIPPED = pathlib.Path(__file__).resolve().parents[3] / "config" / "modules"

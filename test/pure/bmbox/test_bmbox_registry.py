@@ -5,7 +5,7 @@ import sys
 import pytest
 
 from roah_rsbb import bmbox
-from roah_rsbb.bmbox.framework import registry
+from roah_rsbb.bmbox.framework import rule_files
 from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind
 
 MODULE = """
@@ -30,12 +30,12 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_each_functionality_benchmark_has_one():
-    assert set(registry.modules()) == FUNCTIONALITY
+    assert set(rule_files.modules()) == FUNCTIONALITY
 
 
 def test_a_new_file_is_enough(folder):
     (folder / "new_one.py").write_text(MODULE.format(name="New", code="NEW"), encoding="utf-8")
-    assert registry.modules()["NEW"].__name__ == "New"
+    assert rule_files.modules()["NEW"].__name__ == "New"
 
 
 @pytest.mark.parametrize(("text", "reason"), [
@@ -45,10 +45,10 @@ def test_a_new_file_is_enough(folder):
 def test_a_file_that_is_wrong_is_reported_and_left_out(folder, text, reason):
     (folder / "zz_wrong.py").write_text(text, encoding="utf-8")
     reported = []
-    assert set(registry.modules(reported.append)) == FUNCTIONALITY
+    assert set(rule_files.modules(reported.append)) == FUNCTIONALITY
     assert len(reported) == 1
     assert reported[0].startswith("zz_wrong.py cannot be used")
     assert reason in reported[0]
     assert "Traceback" in reported[0]
     with pytest.raises((SyntaxError, ImportError, RuntimeError, ValueError)):
-        registry.modules()
+        rule_files.modules()

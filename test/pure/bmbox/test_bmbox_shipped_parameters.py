@@ -4,7 +4,7 @@ import pytest
 
 from helpers.config_files import SHIPPED
 from roah_rsbb.bmbox.framework.parameters import read_parameters
-from roah_rsbb.bmbox.framework.registry import modules
+from roah_rsbb.bmbox.framework.rule_files import modules
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 MODULES = SHIPPED / "modules"

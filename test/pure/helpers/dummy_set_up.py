@@ -2,11 +2,11 @@
 
 from helpers.config_files import SHIPPED
 from helpers.module_player import functionality
-from roah_rsbb.bmbox.framework.dummy_world import DummyWorld
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth
 from roah_rsbb.bmbox.framework.parameters import read_parameters
-from roah_rsbb.bmbox.framework.registry import modules
+from roah_rsbb.bmbox.framework.rule_files import modules
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
+from roah_rsbb.bmbox.host.dummy_world import DummyWorld
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.model.modules import ModuleInfo, ModulesState
 from roah_rsbb.model.records import Phase

@@ -2,7 +2,7 @@
 
 from helpers.config_files import SHIPPED
 from helpers.dummy_set_up import DummySetUp
-from roah_rsbb.bmbox.host.dummy_frames import DummyFrames
+from roah_rsbb.bmbox.host.dummy_world import DummyFrames
 from roah_rsbb.bmbox.host.ground_truth_of_frames import ZonesGroundTruth
 from roah_rsbb.bmbox.host.host import ModulesHost
 

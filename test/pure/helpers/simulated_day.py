@@ -15,11 +15,10 @@ from unittest import mock
 import pytest
 
 from helpers.linked_world import FakeLink, RadioRobot, World
-from roah_rsbb.bmbox.framework.own_rules import own_files
-from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.bmbox.framework.rehearsal import Poses
+from roah_rsbb.bmbox.framework.rule_files import modules, own_files
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
-from roah_rsbb.bmbox.host.driven import Driven
+from roah_rsbb.bmbox.host.host import Driven
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.zones import key_of

@@ -13,10 +13,9 @@ from hypothesis import strategies as st
 
 from helpers.config_files import SHIPPED
 from helpers.examples import examples
-from roah_rsbb.bmbox.framework import ground_truth_config
-from roah_rsbb.bmbox.framework.own_rules import load_rules
 from roah_rsbb.bmbox.framework.parameters import read_parameters
-from roah_rsbb.bmbox.framework.registry import modules
+from roah_rsbb.bmbox.framework.rule_files import load_rules, modules
+from roah_rsbb.bmbox.host import ground_truth_of_frames
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.errors import ConfigErrors, Report
 from roah_rsbb.rulebook.standing_rules import read_rules
@@ -46,7 +45,7 @@ def errors_of(file, path):
         elif file.stem == "standings":
             read_rules(path)
         elif file.stem == "ground_truth":
-            ground_truth_config.load(path)
+            ground_truth_of_frames.load(path)
         elif file.stem == "rulebook":
             report = Report()
             read_rulebook(report, str(SHIPPED), os.path.dirname(path))

@@ -15,8 +15,7 @@ from support.programs import Program, own
 from support.waiting import wait_until
 
 from roah_rsbb.bmbox.framework.ground_truth import NoPose, Pose3, rotation
-from roah_rsbb.bmbox.framework.ground_truth_config import GroundTruthConfig, Marker, load
-from roah_rsbb.bmbox.host.ground_truth_of_frames import FramesGroundTruth
+from roah_rsbb.bmbox.host.ground_truth_of_frames import FramesGroundTruth, GroundTruthConfig, Marker, load
 from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
 from roah_rsbb.nodes.modules.tf_frames import TfFrames
 

@@ -13,8 +13,8 @@ from typing import Any, Dict, Optional, Type
 
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose3
 from roah_rsbb.bmbox.framework.module import Module
-from roah_rsbb.bmbox.framework.own_rules import load_rules
 from roah_rsbb.bmbox.framework.parameters import read_parameters
+from roah_rsbb.bmbox.framework.rule_files import load_rules
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
 from roah_rsbb.model.fields import answered
 from roah_rsbb.model.modules import OutcomeKind, Request, RequestKind, RequestOutcome, RunForModule, Step

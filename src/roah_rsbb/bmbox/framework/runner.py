@@ -17,7 +17,7 @@ from typing import Callable, Coroutine, Dict, Optional, Type
 
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth
 from roah_rsbb.bmbox.framework.module import Ask, Disconnected, Module, RunEnded, RunTimedOut, Stopped
-from roah_rsbb.bmbox.framework.own_rules import place_of
+from roah_rsbb.bmbox.framework.rule_files import place_of
 from roah_rsbb.model.modules import Progress, Request, RequestKind, RequestOutcome, RunForModule
 from roah_rsbb.rulebook.errors import ConfigErrors
 

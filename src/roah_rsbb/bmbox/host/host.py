@@ -7,20 +7,161 @@ in the thread of an asyncio loop, and rules may block it. A box therefore has th
 
 import asyncio
 import logging
+import os
 import time
+import traceback
 import uuid
+from types import SimpleNamespace
 from typing import Callable, Dict, List, Optional, Sequence, Tuple, Type
 
-from roah_rsbb.bmbox.framework import registry
+from roah_rsbb.bmbox.framework import rule_files
+from roah_rsbb.bmbox.framework.ground_truth import GroundTruth
 from roah_rsbb.bmbox.framework.module import Module
-from roah_rsbb.bmbox.framework.own_rules import load_rules, own_files
-from roah_rsbb.bmbox.framework.zone_folders import zone_folders
-from roah_rsbb.bmbox.host.driven import Driven
+from roah_rsbb.bmbox.framework.parameters import read_parameters
+from roah_rsbb.bmbox.framework.rule_files import WatchedFile, file_in, load_rules, own_files, zone_folders
+from roah_rsbb.bmbox.framework.runner import MakeModule, ModuleRunner
 from roah_rsbb.bmbox.host.ground_truth_of_frames import ZonesGroundTruth
-from roah_rsbb.bmbox.host.hosted_module import HostedModule
+from roah_rsbb.bmbox.host.limits import checked
 from roah_rsbb.ground.params import BadParams, Params
-from roah_rsbb.model.modules import ModuleInfo, ModulesState, RunForModule
+from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, RunForModule
+from roah_rsbb.rulebook.errors import ConfigErrors
+from roah_rsbb.wording.suggestions import did_you_mean
 from roah_rsbb.wording.texts import did_you_mean
+
+# -- rules and their parameters -----------------------------------------------------------------------
+
+
+class Driven:
+    """The rules of the package, or those of the competition in `own_file`, and the files with their parameters.
+
+    A zone may have parameters of its own. The zone "" stands for all other zones.
+    """
+
+    def __init__(self, code: str, folder: str, kind: Optional[Type[Module]], own_file: Optional[str],
+                 load: Callable[[str], Type[Module]] = load_rules) -> None:
+        """`load` loads the rules of a file, or raises ConfigErrors."""
+        self.code = code
+        self.own_file = own_file
+        self._folder = folder
+        self._kind = kind
+        self._rules = None if own_file is None else WatchedFile(own_file, lambda: load(own_file))
+        self._parameters: Dict[str, WatchedFile] = {}  # by path
+        self._in_zone("")
+
+    def kind(self) -> Type[Module]:
+        """Return the rules; raises ConfigErrors."""
+        return self._kind if self._rules is None else self._rules.content()
+
+    def make(self, run: RunForModule, parameters: SimpleNamespace, truth: GroundTruth) -> Module:
+        """Make the module of an attempt; raises ConfigErrors."""
+        return self.kind()(run, parameters, truth)
+
+    def parameters(self, zone: str = "") -> SimpleNamespace:
+        """Return the parameters in a zone; raises ConfigErrors."""
+        self.reload()
+        return self._in_zone(zone).content()
+
+    def has_parameters(self) -> bool:
+        """Whether there is a file with parameters, for all zones or for one."""
+        zones = ["", *zone_folders(self._folder)]
+        return any(os.path.lexists(file_in(self._folder, zone, f"{self.code}.yaml")) for zone in zones)
+
+    def reload(self) -> None:
+        """Read the changed files again. If the rules changed, read their parameters again, too."""
+        is_changed = self._rules is not None and self._rules.reload()
+        for path, file in list(self._parameters.items()):
+            if is_changed:
+                file.forget()
+            if not os.path.lexists(path) and len(self._parameters) > 1:
+                del self._parameters[path]  # read again when a zone asks for it
+            else:
+                file.reload()
+
+    def problems(self, zone: str = "") -> List[str]:
+        """Return all errors in the rules or, if they have none, in the parameters of a zone, one per line."""
+        rules = [] if self._rules is None else self._rules.problems
+        return rules or self._in_zone(zone).problems
+
+    def _in_zone(self, zone: str) -> WatchedFile:
+        path = file_in(self._folder, zone, f"{self.code}.yaml")
+        if path not in self._parameters:
+            self._parameters[path] = WatchedFile(
+                path, lambda: read_parameters(path, self.code, self.kind().PARAMETERS))
+        return self._parameters[path]
+
+    @property
+    def subjects(self) -> List[str]:
+        """Whose poses the rules need."""
+        try:
+            return list(self.kind().SUBJECTS)
+        except ConfigErrors:
+            return []
+
+# -- a run's module -----------------------------------------------------------------------------------
+
+
+class HostedModule:
+    """A `ModuleRunner` that catches all exceptions; `log` is called with errors."""
+
+    def __init__(
+        self, kind: MakeModule, load_parameters: Callable[[], SimpleNamespace], truth: GroundTruth,
+        log: Callable[[str], None],
+    ) -> None:
+        self._runner = ModuleRunner(kind, load_parameters, truth)
+        self._log = log
+        self._run: Optional[RunForModule] = None
+        self._logged = ""
+        self._last: Optional[Progress] = None
+        self._broken = ""  # exception that ended this attempt's module
+
+    def on_run(self, run: RunForModule) -> None:
+        """See `ModuleRunner.on_run`."""
+        if self._run is None or run.attempt > self._run.attempt:
+            self._broken, self._last = "", None
+        self._run = run
+        self._guarded(lambda: self._runner.on_run(run))
+        if self._runner.traceback != self._logged:
+            self._logged = self._runner.traceback
+            if self._logged:
+                self._log(f"{run.benchmark} in zone {run.zone}: {self._logged}")
+
+    def tick(self, utc: float) -> None:
+        """See `ModuleRunner.tick`."""
+        self._guarded(lambda: self._runner.tick(utc))
+
+    def watching(self) -> bool:
+        """See `ModuleRunner.watching`."""
+        return not self._broken and self._runner.watching()
+
+    def progress(self) -> Optional[Progress]:
+        """The state to be sent; None if there is none yet."""
+        self._guarded(self._update)
+        if not self._broken:
+            return self._last
+        last = self._last or Progress(self._run.run, self._run.attempt)
+        return checked(last._replace(request=None, finished=False, failed=self._broken))
+
+    def close(self) -> None:
+        """See `ModuleRunner.close`."""
+        self._guarded(self._runner.close)
+
+    def _update(self) -> None:
+        progress = self._runner.progress()
+        self._last = None if progress is None else checked(progress)
+
+    def _guarded(self, job: Callable[[], object]) -> None:
+        if self._broken:
+            return
+        try:
+            job()
+        except BaseException as error:  # rules may raise anything, even SystemExit
+            self._broken = f"{type(error).__name__}: {error}"
+            run = self._run
+            where = "" if run is None else f"{run.benchmark} in zone {run.zone}: "
+            self._log(where + "".join(traceback.format_exception(type(error), error, error.__traceback__)))
+
+# -- the host -----------------------------------------------------------------------------------------
+
 
 # Interval of messages to the core, which pauses a run after four missing messages.
 BEAT_S = 0.5
@@ -36,7 +177,7 @@ def chosen_benchmarks(params: Params, folder: str) -> Optional[List[str]]:
     if words == "all":
         return None
     codes = words.replace(",", " ").split()
-    known = {**registry.modules(lambda text: None), **own_files(folder)}
+    known = {**rule_files.modules(lambda text: None), **own_files(folder)}
     unknown = [f"no module for {code}{did_you_mean(code, known)}" for code in codes if code not in known]
     if unknown or not codes:
         raise BadParams(f"parameter {params.full_name('benchmarks')}: " + ("; ".join(unknown) or "it is empty"))
@@ -57,7 +198,7 @@ class ModulesHost:
         ConfigErrors."""
         self._loop, self._folder, self._chosen, self._truth, self._utc = loop, folder, benchmarks, truth, utc
         self._do_send, self._on_enter, self._load = send, on_enter, load
-        self._shipped = registry.modules(lambda text: _log.error("%s", text))
+        self._shipped = rule_files.modules(lambda text: _log.error("%s", text))
         self._driven: Dict[str, Driven] = {}
         self._find_rules()
         self._hosted: Dict[str, HostedModule] = {}  # by the run's identity

@@ -30,12 +30,11 @@ from typing import IO, Any, Callable, Dict, List, Optional, Sequence, Set, Tuple
 from roah_rsbb.bmbox import framework
 from roah_rsbb.bmbox import host as host_folder
 from roah_rsbb.bmbox.framework.module import Module
-from roah_rsbb.bmbox.framework.own_rules import load_rules
-from roah_rsbb.bmbox.host.dummy_frames import DummyFrames
+from roah_rsbb.bmbox.framework.rule_files import load_rules, signature
+from roah_rsbb.bmbox.host.dummy_world import DummyFrames
 from roah_rsbb.bmbox.host.ground_truth_of_frames import Frames, NoFrames, ZonesGroundTruth
 from roah_rsbb.bmbox.host.host import ModulesHost
 from roah_rsbb.bmbox.host.limits import checked_state
-from roah_rsbb.bmbox.host.watched_file import signature
 from roah_rsbb.ground import linux
 from roah_rsbb.ground.arguments import without_ros
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, RunForModule

@@ -11,8 +11,7 @@ import rosgraph
 import rospy
 
 from roah_rsbb.bmbox.framework.ground_truth import Source
-from roah_rsbb.bmbox.framework.ground_truth_config import GroundTruthConfig, load
-from roah_rsbb.bmbox.host.ground_truth_of_frames import FramesGroundTruth, FrameState
+from roah_rsbb.bmbox.host.ground_truth_of_frames import FramesGroundTruth, FrameState, GroundTruthConfig, load
 from roah_rsbb.ground.arguments import Parser, number
 from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
 from roah_rsbb.nodes.modules.tf_frames import TfFrames

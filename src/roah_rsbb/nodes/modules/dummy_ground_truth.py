@@ -17,11 +17,10 @@ import rospy
 import tf2_ros
 from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
 
-from roah_rsbb.bmbox.framework.dummy_world import DummyWorld
 from roah_rsbb.bmbox.framework.ground_truth import rotation
-from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, load
-from roah_rsbb.bmbox.framework.zone_folders import own_file, zone_folders
-from roah_rsbb.bmbox.host.dummy_frames import SeenMarker, seen_markers
+from roah_rsbb.bmbox.framework.rule_files import own_file, zone_folders
+from roah_rsbb.bmbox.host.dummy_world import DummyWorld, SeenMarker, seen_markers
+from roah_rsbb.bmbox.host.ground_truth_of_frames import FILE_NAME, load
 from roah_rsbb.ground.params import BadParams
 from roah_rsbb.model.modules import RunForModule
 from roah_rsbb.msg import ModuleRuns

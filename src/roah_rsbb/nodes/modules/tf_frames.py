@@ -19,8 +19,14 @@ import tf2_ros
 from tf2_msgs.msg import TFMessage
 
 from roah_rsbb.bmbox.framework.ground_truth import Pose3, yaw
-from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, GroundTruthConfig
-from roah_rsbb.bmbox.host.ground_truth_of_frames import KEPT_S, Frames, NotAtOnce, NoTransform
+from roah_rsbb.bmbox.host.ground_truth_of_frames import (
+    FILE_NAME,
+    KEPT_S,
+    Frames,
+    GroundTruthConfig,
+    NotAtOnce,
+    NoTransform,
+)
 from roah_rsbb.box.program import modules_process
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.messages import ros_time

@@ -4,11 +4,9 @@ import functools
 import os
 from typing import Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 
-from roah_rsbb.bmbox.framework import ground_truth_config
-from roah_rsbb.bmbox.framework.own_rules import load_rules, own_files
 from roah_rsbb.bmbox.framework.parameters import read_parameters
-from roah_rsbb.bmbox.framework.registry import modules
-from roah_rsbb.bmbox.framework.zone_folders import file_in, zone_folders
+from roah_rsbb.bmbox.framework.rule_files import file_in, load_rules, modules, own_files, zone_folders
+from roah_rsbb.bmbox.host import ground_truth_of_frames
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, Durable, ScheduledEvent
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, listing, quote
@@ -207,7 +205,7 @@ def module_errors(folder: str, loaded: Config) -> List[str]:
             parameters, truth = file_in(folder, zone, f"{code}.yaml"), file_in(folder, zone, files.GROUND_TRUTH)
             checks = {
                 parameters: functools.partial(read_parameters, parameters, code, kind.PARAMETERS),
-                truth: functools.partial(ground_truth_config.load, truth),
+                truth: functools.partial(ground_truth_of_frames.load, truth),
             }
             for path in (path for path in checks if path not in read):
                 errors += _errors_in(checks[path])

@@ -11,8 +11,8 @@ from xml.sax.saxutils import quoteattr
 
 import yaml
 
-from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME as GROUND_TRUTH
-from roah_rsbb.bmbox.framework.zone_folders import own_file
+from roah_rsbb.bmbox.framework.rule_files import own_file
+from roah_rsbb.bmbox.host.ground_truth_of_frames import FILE_NAME as GROUND_TRUTH
 from roah_rsbb.rulebook.benchmarks import Benchmark, Durable
 from roah_rsbb.rulebook.config import PasswordsFile, settings_in
 from roah_rsbb.rulebook.errors import Report

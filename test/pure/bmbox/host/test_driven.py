@@ -3,9 +3,9 @@
 import pytest
 
 from helpers.config_files import SHIPPED
-from roah_rsbb.bmbox.framework.zone_folders import file_in, own_file, zone_folders
+from roah_rsbb.bmbox.framework.rule_files import file_in, own_file, zone_folders
 from roah_rsbb.bmbox.hnf import HNF
-from roah_rsbb.bmbox.host.driven import Driven
+from roah_rsbb.bmbox.host.host import Driven
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 COMMON = (SHIPPED / "modules" / "HNF.yaml").read_text("utf-8")

@@ -4,11 +4,9 @@ import math
 
 import pytest
 
-from roah_rsbb.bmbox.framework.dummy_world import ROBOT_HOME, TABLE
 from roah_rsbb.bmbox.framework.ground_truth import NoPose, Pose3
-from roah_rsbb.bmbox.framework.ground_truth_config import GroundTruthConfig, Marker
-from roah_rsbb.bmbox.host.dummy_frames import STEP_S, DummyFrames
-from roah_rsbb.bmbox.host.ground_truth_of_frames import KEPT_S, FramesGroundTruth
+from roah_rsbb.bmbox.host.dummy_world import ROBOT_HOME, STEP_S, TABLE, DummyFrames
+from roah_rsbb.bmbox.host.ground_truth_of_frames import KEPT_S, FramesGroundTruth, GroundTruthConfig, Marker
 from roah_rsbb.model.modules import Request, RequestKind, RunForModule, Step
 
 ON_TOP = Pose3(0.0, 0.0, -1.2, math.pi / 2)

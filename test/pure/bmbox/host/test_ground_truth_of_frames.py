@@ -3,10 +3,11 @@
 import pytest
 
 from roah_rsbb.bmbox.framework.ground_truth import NoPose, Pose3, Source
-from roah_rsbb.bmbox.framework.ground_truth_config import GroundTruthConfig, Marker
 from roah_rsbb.bmbox.host.ground_truth_of_frames import (
     Frames,
     FramesGroundTruth,
+    GroundTruthConfig,
+    Marker,
     NoFrames,
     NotAtOnce,
     NoTransform,

@@ -8,7 +8,7 @@ import pytest
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth
 from roah_rsbb.bmbox.framework.module import Module
 from roah_rsbb.bmbox.framework.score import Value
-from roah_rsbb.bmbox.host.hosted_module import HostedModule
+from roah_rsbb.bmbox.host.host import HostedModule
 from roah_rsbb.bmbox.host.limits import MAX_TEXT
 from roah_rsbb.model.modules import OutcomeKind, RequestOutcome, RunForModule, Step
 from roah_rsbb.rulebook.errors import Report

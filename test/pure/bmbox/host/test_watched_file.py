@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from roah_rsbb.bmbox.host.watched_file import WatchedFile
+from roah_rsbb.bmbox.framework.rule_files import WatchedFile
 from roah_rsbb.rulebook.errors import ConfigErrors, Report
 from roah_rsbb.rulebook.yaml_lines import Place
 
