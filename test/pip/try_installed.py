@@ -41,7 +41,7 @@ def check_imports():
 
 def check_shipped():
     """The rules for dummy-box and the pages that the check names are in the wheels."""
-    from roah_rsbb.check.findings import Cause
+    from roah_rsbb.check.report import Cause
     from roah_rsbb.ground.installed import pages_folder, shipped_folder
 
     assert shipped_folder() == pathlib.Path(roah_rsbb.__file__).parent / "shipped_files" / "config"

@@ -1,12 +1,13 @@
 """The box that the check plays: the core of this package, with its own radio, and a record of all that happens."""
 
 import asyncio
+import random
 import time
 from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.check.bad_network import BadNetwork
-from roah_rsbb.comm.channels import Network
+from roah_rsbb.comm.channels import MakePeer, Network
+from roah_rsbb.comm.peer import Address, Peer
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.continuing import Saved
@@ -16,20 +17,114 @@ from roah_rsbb.core.runs.run import Run
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import Beacon, BenchmarkingRobot, BoxMessage, RobotReport
-from roah_rsbb.model.modules import (
-    ModuleInfo,
-    ModulesState,
-    OutcomeKind,
-    Progress,
-    Request,
-    RequestKind,
-    RunForModule,
-)
+from roah_rsbb.model.modules import ModuleInfo, ModulesState, OutcomeKind, Progress, Request, RequestKind, RunForModule
 from roah_rsbb.protocol import BoxState, WireTime, wire_seconds
 from roah_rsbb.radio.driver import NetworkDriver
 from roah_rsbb.radio.radio import beacon_size
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_LIMIT, Benchmark, Config, ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind, new_profile
+
+# -- the bad network ----------------------------------------------------------------------------------
+
+# What happens to each datagram depends on the seed and on the datagram's number only.
+
+
+class Impairment(NamedTuple):
+    """How datagrams are treated. Shares from 0 to 1; seconds."""
+
+    loss: float = 0.0
+    duplicate: float = 0.0
+    late: float = 0.0  # share that is delayed by `late_s`, so that others overtake them
+    late_s: float = 0.0
+
+
+PERFECT = Impairment()
+MUTE = Impairment(loss=1.0)
+# Real wireless networks in a hall are better than this.
+BAD = Impairment(loss=0.2, duplicate=0.2, late=0.2, late_s=0.15)
+
+
+class BadNetwork:
+    """All peers of the check. `out` and `back` impair what the box sends, and what it receives."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, seed: int, make_peer: Optional[MakePeer] = None) -> None:
+        self.out = self.back = PERFECT
+        self.largest = 0  # bytes of the largest datagram that was received
+        self.sent: List[bytes] = []  # datagrams on private channels, while `keep` is set
+        self.keep = False
+        self._peers: Dict[int, BadPeer] = {}  # the latest by port
+        self._loop = loop
+        self._random = random.Random(seed)
+        self._make_peer = make_peer or Peer
+
+    def peer(
+        self, loop: asyncio.AbstractEventLoop, rsbb_host: str, port: int,
+        on_datagram: Callable[[bytes, Address], None], *args: Any, **kwargs: Any,
+    ) -> "BadPeer":
+        """Make a peer, with the arguments of `Peer`."""
+        is_private = not kwargs.get("shared", True)
+
+        def receive(datagram: bytes, sender: Address) -> None:
+            self.largest = max(self.largest, len(datagram))
+            # What this network adds is a delay on the way.
+            received_utc = made.real_received_utc if self.back is PERFECT else None
+
+            def deliver() -> None:
+                made.received_utc = received_utc
+                on_datagram(datagram, sender)
+
+            self.treat(self.back, deliver)
+
+        made = BadPeer(self, self._make_peer(loop, rsbb_host, port, receive, *args, **kwargs), is_private)
+        if self._peers.get(port) is None or not self._peers[port].is_open:
+            self._peers[port] = made
+        return made
+
+    def resend(self, port: int, datagram: bytes, host: str) -> None:
+        """Send any bytes from the box's socket on a port."""
+        self._peers[port].send(datagram, host)
+
+    def treat(self, how: Impairment, deliver: Callable[[], Any]) -> None:
+        """Deliver a datagram not at all, once or twice, now or later."""
+        if how is PERFECT:
+            deliver()
+            return
+        lost, doubled, *late = (self._random.random() for _ in range(4))
+        if lost < how.loss:
+            return
+        for one in late[:1 + (doubled < how.duplicate)]:
+            if one < how.late:
+                self._loop.call_later(how.late_s, deliver)
+            else:
+                deliver()
+
+
+class BadPeer:
+    """A `Peer` on a bad network."""
+
+    def __init__(self, network: BadNetwork, peer: Peer, is_private: bool) -> None:
+        self._network = network
+        self._peer = peer
+        self._is_private = is_private
+        self.received_utc: Optional[float] = None  # see `Peer`
+
+    @property
+    def real_received_utc(self) -> Optional[float]:
+        """When the system received the datagram that is being read, in UTC seconds; None: unknown."""
+        return self._peer.received_utc
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._peer, name)
+
+    def send(self, datagram: bytes, host: str) -> bool:
+        """Send like `Peer.send`. A datagram that the bad network loses counts as sent."""
+        if self._is_private and self._network.keep:
+            self._network.sent.append(datagram)
+        self._network.treat(self._network.out, lambda: self._peer.send(datagram, host))
+        return True
+
+# -- the box ------------------------------------------------------------------------------------------
+
 
 # The check judges clocks itself, so no skew may keep the box from starting a run.
 ANY_SKEW_S = 1e12

@@ -9,10 +9,8 @@ import contextlib
 import time
 from typing import Callable, Container, Dict, List, NamedTuple, NoReturn, Optional, Tuple
 
-from roah_rsbb.check.bad_network import PERFECT, BadNetwork
-from roah_rsbb.check.box import CheckBox, CheckRecord, HeardReport, NetworkInUse
-from roah_rsbb.check.findings import Cause, Finding, ScenarioResult, Verdict
-from roah_rsbb.check.stalls import Stalls
+from roah_rsbb.check.box import PERFECT, BadNetwork, CheckBox, CheckRecord, HeardReport, NetworkInUse
+from roah_rsbb.check.report import Cause, Finding, ScenarioResult, Verdict
 from roah_rsbb.comm.channels import MakePeer, Network
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.sockets import ANY_HOST
@@ -22,6 +20,59 @@ from roah_rsbb.model.modules import OutcomeKind
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.registry import PROFILES, GoalForm, profile_of
+
+# -- stalls of the check itself -----------------------------------------------------------------------
+
+
+PERIOD_S = 0.05
+# Timers are never exact.
+USUAL_S = 0.02
+# Stalls so close together add up: a robot's reaction may fall into all of them.
+TOGETHER_S = 2.0
+
+
+class Stalls:
+    """The delays of a timer."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+        self._loop = loop
+        self._found: List[Tuple[float, float]] = []  # end (monotonic), seconds
+        self._timer: Optional[asyncio.TimerHandle] = None
+
+    def open(self) -> None:
+        """Begin to measure."""
+        self._timer = self._loop.call_later(PERIOD_S, self._tick, self._loop.time() + PERIOD_S)
+
+    def close(self) -> None:
+        """Stop measuring."""
+        if self._timer is not None:
+            self._timer.cancel()
+
+    def since(self, mono: float) -> float:
+        """How long the check was delayed since the monotonic time `mono`, in total (s)."""
+        return sum(seconds for end, seconds in self._found if end > mono)
+
+    def worst(self, mono: float) -> float:
+        """The largest sum of delays within `TOGETHER_S`, since the monotonic time `mono` (s)."""
+        found = [(end, seconds) for end, seconds in self._found if end > mono]
+        worst = together = 0.0
+        first = 0
+        for end, seconds in found:
+            together += seconds
+            while found[first][0] <= end - TOGETHER_S:
+                together -= found[first][1]
+                first += 1
+            worst = max(worst, together)
+        return worst
+
+    def _tick(self, due: float) -> None:
+        now = self._loop.time()
+        if now - due > USUAL_S:
+            self._found.append((now, now - due))
+        self._timer = self._loop.call_at(now + PERIOD_S, self._tick, now + PERIOD_S)
+
+# -- the play -----------------------------------------------------------------------------------------
+
 
 # Seconds. A robot repeats each state in a burst and then each second, so these allow two lost datagrams.
 ANSWER_S = 5.0  # the first message on a private channel, after a beacon that lists the robot
@@ -73,8 +124,8 @@ class GaveUp(Exception):
     """The scenario cannot continue. Its finding is recorded."""
 
 
-class Play:
-    """One check of one robot. All methods belong to the loop's thread."""
+class RobotWatch:
+    """What the check sees of one robot, waits for, and finds."""
 
     def __init__(
         self,
@@ -106,17 +157,6 @@ class Play:
         network = Network(options.rsbb_host, options.rsbb_port, bind_host, options.cipher, False, MAX_DATAGRAM)
         return CheckBox(self.loop, network, self.network, options.team, options.password, self.record,
                         self._news.set, last_port, self._utc, listen_duration)
-
-    def open(self, listen_duration: float = 0.0) -> None:
-        """Start, and listen for another box first. Raises OSError whose text names the remedy."""
-        self.box = self._make_box(self.options.bind_host, None, listen_duration)
-        self.box.open(listen_duration)
-        self.stalls.open()
-
-    def close(self) -> None:
-        """Release all ports."""
-        self.box.close()
-        self.stalls.close()
 
     # -- findings -----------------------------------------------------------------------------------
 
@@ -218,7 +258,46 @@ class Play:
         """Whether the robot reported one of these states, in the reports from this index on."""
         return any(heard.report.state in states for heard in self.record.reports[since:])
 
-    # -- steps --------------------------------------------------------------------------------------
+    @property
+    def over(self) -> bool:
+        """Whether the box has ended the run."""
+        run = self.box.run_in(self.code)
+        return run is None or run.end_reason is not None
+
+    @property
+    def state_name(self) -> str:
+        """The robot's state for a text."""
+        return "no message" if self.state is None else f"the robot stays in {self.state.name}"
+
+    def last_sign(self) -> float:
+        """When the robot was heard last, on any channel."""
+        beacons, reports = self.record.beacons, self.record.reports
+        beacon = next((one.mono for one in reversed(beacons) if one.robot == self.robot), self.began)
+        return max(beacon, reports[-1].mono if reports else self.began)
+
+    def first_stop(self) -> int:
+        """The index of the report with which the robot's present series of STOPs began."""
+        index = len(self.record.reports) - 1
+        port = self.record.reports[index].port
+        while index and self.record.reports[index - 1].port == port and (
+                self.record.reports[index - 1].report.state is RobotState.STOP):
+            index -= 1
+        return index
+
+
+class Play(RobotWatch):
+    """One check of one robot: the steps of a referee. All methods belong to the loop's thread."""
+
+    def open(self, listen_duration: float = 0.0) -> None:
+        """Start, and listen for another box first. Raises OSError whose text names the remedy."""
+        self.box = self._make_box(self.options.bind_host, None, listen_duration)
+        self.box.open(listen_duration)
+        self.stalls.open()
+
+    def close(self) -> None:
+        """Release all ports."""
+        self.box.close()
+        self.stalls.close()
 
     async def find_robot(self) -> None:
         """Wait for the robot's beacon."""
@@ -260,7 +339,7 @@ class Play:
         self.box.goals.requests = list(goals_of(code) if goals is None else goals)
         if not await self.until(lambda: self._may_connect(code), LEAVE_S):
             self._not_known()
-        silence = self.loop.time() - self._last_sign()
+        silence = self.loop.time() - self.last_sign()
         self.code = code
         unreadable = len(self.record.unreadable)
         began = self.loop.time()
@@ -290,18 +369,12 @@ class Play:
         """
         if self._is_gone:
             self.skip("The robot's beacons ended")
-        reports, sign = self.record.reports, self._last_sign()
+        reports, sign = self.record.reports, self.last_sign()
         if reports and sign == reports[-1].mono > self._closed - STILL_THERE_S:
             self.give_up(Cause.CHANNEL_NOT_LEFT, "the robot's beacon before a run", "no beacon of the robot")
         self._is_gone = True
         self.give_up(Cause.NO_BEACON, "the robot's beacon before a run",
                      f"no message of the robot for {self.loop.time() - sign:.0f} s")
-
-    def _last_sign(self) -> float:
-        """When the robot was heard last, on any channel."""
-        beacons, reports = self.record.beacons, self.record.reports
-        beacon = next((one.mono for one in reversed(beacons) if one.robot == self.robot), self.began)
-        return max(beacon, reports[-1].mono if reports else self.began)
 
     def _may_connect(self, code: str) -> bool:
         return not self.box.box.actions.off(self.box.now(), self.box.box.zones[code], "connect")
@@ -341,17 +414,6 @@ class Play:
         if not await self.until(lambda: self.state in done or self.over, OBEY_S):
             asked = "GOAL_TX" if self.box_state is BoxState.GOAL_TX else "WAITING_RESULT"
             self.give_up(Cause.GOAL_IGNORED, f"EXECUTING within {OBEY_S:g} s of {asked}", self.state_name)
-
-    @property
-    def over(self) -> bool:
-        """Whether the box has ended the run."""
-        run = self.box.run_in(self.code)
-        return run is None or run.end_reason is not None
-
-    @property
-    def state_name(self) -> str:
-        """The robot's state for a text."""
-        return "no message" if self.state is None else f"the robot stays in {self.state.name}"
 
     async def complete(self) -> None:
         """Lead a started robot through all its goals, up to the STOP at the end."""
@@ -399,7 +461,7 @@ class Play:
             self.give_up(cause or (Cause.STOP_IGNORED if is_heard else Cause.SILENT),
                          f"STOP within {STOP_S:g} s of the box's STOP {where}",
                          f"after {STOP_LOST_S:g} s {self.state_name if is_heard else 'no message since then'}")
-        heard = next(heard.mono for heard in self.record.reports[self._first_stop():])
+        heard = next(heard.mono for heard in self.record.reports[self.first_stop():])
         seconds = max(0.0, heard - said)
         self.measured(f"STOP {where}", seconds)
         if seconds > STOP_S and self.judges_times:
@@ -408,15 +470,6 @@ class Play:
         await self.rest(STILL_S)
         if self.state is not RobotState.STOP:
             self.fail(Cause.STOP_IGNORED, f"the robot stays in STOP after a stop {where}", self.state_name)
-
-    def _first_stop(self) -> int:
-        """The index of the report with which the robot's present series of STOPs began."""
-        index = len(self.record.reports) - 1
-        port = self.record.reports[index].port
-        while index and self.record.reports[index - 1].port == port and (
-                self.record.reports[index - 1].report.state is RobotState.STOP):
-            index -= 1
-        return index
 
     async def leave(self) -> None:
         """Disconnect, and check that the robot leaves its private channel."""

@@ -11,10 +11,10 @@ from typing import Callable, List, Optional, Sequence, Tuple
 
 from roah_rsbb.check import report
 from roah_rsbb.check.box import NetworkInUse
-from roah_rsbb.check.engine import Engine, all_scenarios, scenarios_of
-from roah_rsbb.check.findings import ScenarioResult, Verdict
+from roah_rsbb.check.engine import Engine, scenarios_of
 from roah_rsbb.check.play import Options, Play
-from roah_rsbb.check.scenarios.scenario import Depth, Scenario
+from roah_rsbb.check.report import ScenarioResult, Verdict
+from roah_rsbb.check.scenarios import SCENARIOS, Depth, Scenario
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
@@ -72,7 +72,7 @@ def _codes(text: str) -> Tuple[str, ...]:
 
 def _names(text: str) -> Tuple[str, ...]:
     names = tuple(name.strip() for name in text.split(",") if name.strip())
-    known = [one.name for one in all_scenarios()]
+    known = [one.name for one in SCENARIOS]
     for name in names:
         if name not in known:
             raise argparse.ArgumentTypeError(
@@ -217,7 +217,7 @@ def _write(path: Optional[str], make: Callable[[report.Check], str], check: repo
 
 
 def _list() -> None:
-    for one in all_scenarios():
+    for one in SCENARIOS:
         print(f"{one.name:<18} {one.level.value:<6} {one.title}")
 
 

@@ -8,9 +8,9 @@ from helpers.checked_robot import ROBOT, Checked, usual_robot
 from helpers.faulty_robots import Fragile, ends_in_goal
 from helpers.simulated_air import UTC0
 from roah_rsbb.check.box import NetworkInUse
-from roah_rsbb.check.engine import BUSY_S, Engine, all_scenarios, scenarios_of
-from roah_rsbb.check.findings import Cause, Verdict
-from roah_rsbb.check.scenarios.scenario import Depth
+from roah_rsbb.check.engine import BUSY_S, Engine, scenarios_of
+from roah_rsbb.check.report import Cause, Verdict
+from roah_rsbb.check.scenarios import SCENARIOS, Depth
 from roah_rsbb.comm import frame
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.radio import wire_convert
@@ -159,7 +159,7 @@ def test_a_robot_that_is_also_sent_to_another_robot_of_the_team_is_found_by_name
 def test_levels_and_names_of_scenarios():
     assert [one.name for one in scenarios_of(Depth.BASIC, ("HNF",))] == BASIC
     assert [one.name for one in scenarios_of(Depth.BASIC, ("HNF",), ["clock"])] == ["find", "clock"]
-    names = [one.name for one in all_scenarios()]
+    names = [one.name for one in SCENARIOS]
     assert len(names) == len(set(names))
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from helpers.checked_robot import Checked
 from helpers.faulty_robots import FAULTS
-from roah_rsbb.check.findings import Cause, Verdict
+from roah_rsbb.check.report import Cause, Verdict
 
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name.replace(" ", "-"))

@@ -4,9 +4,9 @@ import pytest
 
 from helpers import simulated_air
 from helpers.checked_robot import Checked, usual_robot
-from roah_rsbb.check.engine import all_scenarios, scenarios_of
-from roah_rsbb.check.findings import Verdict
-from roah_rsbb.check.scenarios.scenario import Depth
+from roah_rsbb.check.engine import scenarios_of
+from roah_rsbb.check.report import Verdict
+from roah_rsbb.check.scenarios import SCENARIOS, Depth
 from roah_rsbb.comm import memory
 from roah_rsbb.robot.dummy import DummyOptions
 from roah_rsbb.rulebook.registry import PROFILES
@@ -19,7 +19,7 @@ def test_the_dummy_robot_passes_all_scenarios_within_eight_minutes(monkeypatch):
     checked = Checked(monkeypatch, lambda loop: usual_robot(loop, DummyOptions(seed=1)), Depth.FULL, benchmarks=ALL)
     assert [(r.name, r.findings) for r in checked.engine.results if r.verdict is not Verdict.PASSED] == []
     assert [r.name for r in checked.engine.results] == [
-        one.name for one in all_scenarios() if one.name != f"run-{ALL[0].lower()}"]
+        one.name for one in SCENARIOS if one.name != f"run-{ALL[0].lower()}"]
     assert checked.seconds < 480.0
 
 

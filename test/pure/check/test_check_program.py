@@ -11,8 +11,8 @@ import pytest
 
 from helpers.small_box import BOX, BROADCAST, PASSWORD, ROBOT, free_ports
 from roah_rsbb.check import program
-from roah_rsbb.check.engine import all_scenarios
-from roah_rsbb.check.findings import Cause
+from roah_rsbb.check.report import Cause
+from roah_rsbb.check.scenarios import SCENARIOS
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 USUAL = ["--team", "Team", "--password", PASSWORD, "--host", BROADCAST, "--bind", BOX]
@@ -65,7 +65,7 @@ def test_every_page_of_a_cause_exists():
 
 
 def test_the_pages_name_every_scenario():
-    names = [one.name for one in all_scenarios()]
+    names = [one.name for one in SCENARIOS]
     guide = (ROOT / "docs" / "check_robot.md").read_text(encoding="utf-8")
     field = (ROOT / "docs" / "robots_in_the_field.md").read_text(encoding="utf-8")
     own = [name for name in names if not name.startswith("run-")]

@@ -5,7 +5,7 @@ import pathlib
 from xml.etree import ElementTree
 
 from roah_rsbb.check import report
-from roah_rsbb.check.findings import Cause, Finding, ScenarioResult, Verdict
+from roah_rsbb.check.report import Cause, Finding, ScenarioResult, Verdict
 from roah_rsbb.ground.installed import pages_folder
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]

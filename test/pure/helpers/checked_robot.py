@@ -6,7 +6,7 @@ import contextlib
 from helpers.simulated_air import SimulatedLoop
 from roah_rsbb.check.engine import Engine, scenarios_of
 from roah_rsbb.check.play import Options, Play
-from roah_rsbb.check.scenarios.scenario import Depth
+from roah_rsbb.check.scenarios import Depth
 from roah_rsbb.comm import channels
 from roah_rsbb.comm.memory import MemoryAir
 from roah_rsbb.robot.client import RobotClient

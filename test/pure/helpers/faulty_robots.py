@@ -5,7 +5,7 @@ import struct
 from typing import Any, Callable, NamedTuple, Tuple
 
 from helpers.checked_robot import BROADCAST, USUAL, usual_robot
-from roah_rsbb.check.findings import Cause, Verdict
+from roah_rsbb.check.report import Cause, Verdict
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.protocol import BoxState, RobotState

@@ -9,15 +9,14 @@ from support.dummy_launch import dummy
 from support.robots import BOX, BROADCAST, PASSWORDS, RSBB_PORT
 from support.waiting import LIMIT_S
 
-from roah_rsbb.check import engine, monitor, play
-from roah_rsbb.check.findings import ScenarioResult, Verdict
-from roah_rsbb.check.scenarios import boxes
+from roah_rsbb.check import engine, play, scenarios
+from roah_rsbb.check.report import ScenarioResult, Verdict
 
 TEAM = "Alpha"
 # How long the check waits for the robot. Here it waits for events: a busy machine is no fault.
 _LIMITS = {
     play: ("ANSWER_S", "OBEY_S", "LEAVE_S", "STOP_S", "STOP_LOST_S", "SILENT_S", "GONE_S"),
-    boxes: ("LEAVE_S", "REPEATED_S"), monitor: ("SILENT_S", "SAVING_S"),
+    scenarios: ("LEAVE_S", "REPEATED_S"), engine: ("SILENT_S", "SAVING_S"),
 }
 
 
@@ -33,7 +32,7 @@ class TestCheck(NetworkCase):
             played = play.Play(asyncio.get_event_loop(), options)
             played.open()
             try:
-                check = engine.Engine(played, [one for one in engine.all_scenarios() if one.name in names])
+                check = engine.Engine(played, [one for one in scenarios.SCENARIOS if one.name in names])
                 await check.run()
             finally:
                 played.close()
