@@ -25,7 +25,6 @@ from roah_rsbb.bmbox.host.limits import checked
 from roah_rsbb.ground.params import BadParams, Params
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, RunForModule
 from roah_rsbb.rulebook.errors import ConfigErrors
-from roah_rsbb.wording.suggestions import did_you_mean
 from roah_rsbb.wording.texts import did_you_mean
 
 # -- rules and their parameters -----------------------------------------------------------------------
