@@ -16,8 +16,8 @@ from support import gui_testing
 from support.gui_testing import Qt, QTest
 
 from roah_rsbb.protocol import BoxState
-from roah_rsbb.rqt.app.window import Window
-from roah_rsbb.rqt.with_ros.host import HostWithRos
+from roah_rsbb.rqt.node import WindowNode
+from roah_rsbb.rqt.windows import Window
 
 SETTLE_S = 3.0  # time in which a new window builds itself
 
@@ -27,7 +27,7 @@ class ClickBench:
 
     def __init__(self, folder: str) -> None:
         rospy.set_param("current_zone", "zone 0")
-        self._window = Window(HostWithRos(), QSettings(f"{folder}/window.ini", QSettings.IniFormat))
+        self._window = Window(WindowNode(), QSettings(f"{folder}/window.ini", QSettings.IniFormat))
         self._window.show()
         self._start = self._window.panels["BenchmarkControlPanel"].buttons["start"]
         self._stop = self._window.strip.stop

@@ -2571,22 +2571,17 @@
         <translation>Eine andere Box hat übernommen: Befehle bewirken hier nichts</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/app/window.py"/>
-        <source>RoAH RSBB – referee</source>
-        <translation>RoAH RSBB – Schiedsrichter</translation>
+        <location filename="../../src/roah_rsbb/rqt/basic.py"/>
+        <source>Not possible now</source>
+        <translation>Jetzt nicht möglich</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/app/window.py"/>
-        <source>&amp;Panels</source>
-        <translation>&amp;Fenster</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/model/calls.py"/>
+        <location filename="../../src/roah_rsbb/rqt/calls.py"/>
         <source>no answer: {why} ({error})</source>
         <translation>keine Antwort: {why} ({error})</translation>
     </message>
     <message numerus="yes">
-        <location filename="../../src/roah_rsbb/rqt/model/calls.py"/>
+        <location filename="../../src/roah_rsbb/rqt/calls.py"/>
         <source>{what}: not sent, because {n} commands are still waiting for an answer</source>
         <translation>
             <numerusform>{what}: nicht gesendet, weil {n} Befehl noch auf Antwort wartet</numerusform>
@@ -2594,54 +2589,109 @@
         </translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/model/calls.py"/>
+        <location filename="../../src/roah_rsbb/rqt/calls.py"/>
         <source>{what}: no answer within {time:.0f} s: {why}</source>
         <translation>{what}: keine Antwort innerhalb von {time:.0f} s: {why}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/model/calls.py"/>
+        <location filename="../../src/roah_rsbb/rqt/calls.py"/>
         <source>is the core running? Check the state when it is back.</source>
         <translation>Läuft der Core? Prüfen Sie den Zustand, sobald er wieder da ist.</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
+        <location filename="../../src/roah_rsbb/rqt/keys.py"/>
+        <source>F5 twice</source>
+        <translation>F5 zweimal</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/keys.py"/>
+        <source>start the benchmark of the zone</source>
+        <translation>den Benchmark der Zone starten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/keys.py"/>
+        <source>Tab, Shift+Tab</source>
+        <translation>Tab, Umschalt+Tab</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/keys.py"/>
+        <source>go to the next or previous control; a frame shows where you are</source>
+        <translation>zum nächsten oder vorigen Bedienelement gehen; ein Rahmen zeigt, wo Sie sind</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/keys.py"/>
+        <source>Space</source>
+        <translation>Leertaste</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/keys.py"/>
+        <source>press the button in the frame</source>
+        <translation>die Schaltfläche im Rahmen drücken</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/keys.py"/>
+        <source>Ctrl+F, F3, Shift+F3</source>
+        <translation>Strg+F, F3, Umschalt+F3</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/keys.py"/>
+        <source>in a log: search, next, previous</source>
+        <translation>in einem Protokoll: suchen, nächste, vorige Stelle</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/keys.py"/>
+        <source>open this page; Esc closes it</source>
+        <translation>diese Seite öffnen; Esc schließt sie</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/keys.py"/>
+        <source>■ STOP {zones}?  Press {key} again within {time:.0f} s</source>
+        <translation>■ {zones} STOPPEN?  Drücken Sie innerhalb von {time:.0f} s noch einmal {key}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/node.py"/>
+        <source>Nothing controls the home devices: the box is not running, or not with devices:=true</source>
+        <translation>Nichts steuert die Geräte der Wohnung: Die Box läuft nicht, oder nicht mit devices:=true</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/actions.py"/>
+        <source>{command} in {zone}</source>
+        <translation>{command} in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/actions.py"/>
         <source>Waiting for the core</source>
         <translation>Warte auf den Core</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
-        <source>No zone is running</source>
-        <translation>Keine Zone läuft</translation>
+        <location filename="../../src/roah_rsbb/rqt/panels/actions.py"/>
+        <source>Choose a robot, score without a robot, no-show</source>
+        <translation>Roboter wählen, ohne Roboter werten, nicht angetreten</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
-        <source>refused</source>
-        <translation>abgelehnt</translation>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Results, history, judges</source>
+        <translation>Ergebnisse, Verlauf, Jury</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
-        <source>{way}, stop by hand: {zones}</source>
-        <translation>{way}, von Hand anhalten: {zones}</translation>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Pair phones and tablets</source>
+        <translation>Telefone und Tablets koppeln</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
-        <source>✘ {what} failed: {error}</source>
-        <translation>✘ {what} ist fehlgeschlagen: {error}</translation>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Open in the browser: results, history and judges, the schedule, pairing</source>
+        <translation>Im Browser öffnen: Ergebnisse, Verlauf und Jury, Zeitplan, Kopplung</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/model/stops.py"/>
-        <source>Stop {zones}</source>
-        <translation>{zones} stoppen</translation>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>No browser opens here. Open {page} in one, and type the code {code}</source>
+        <translation>Hier öffnet sich kein Browser. {page} in einem öffnen und den Code {code} eintippen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
-        <source>Active Robots</source>
-        <translation>Aktive Roboter</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
-        <source>The whole box</source>
-        <translation>Die ganze Box</translation>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Results …</source>
+        <translation>Ergebnisse …</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
@@ -2662,6 +2712,16 @@
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>Final: signed off by {name}</source>
         <translation>Endgültig: abgeschlossen von {name}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>just pressed</source>
+        <translation>gerade gedrückt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>{command}?  Press {key} again within {time:.0f} s</source>
+        <translation>{command}?  Drücken Sie innerhalb von {time:.0f} s noch einmal {key}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
@@ -2739,66 +2799,6 @@
         <translation>{robot} verbinden in {zone}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/collapsing.py"/>
-        <source>Show this panel now</source>
-        <translation>Dieses Fenster jetzt zeigen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/collapsing.py"/>
-        <source>Leave the space to Scoring</source>
-        <translation>Den Platz der Wertung überlassen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Core Status</source>
-        <translation>Core-Status</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Exit …</source>
-        <translation>Beenden …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>End this client or the whole RSBB. You are asked first.</source>
-        <translation>Diesen Client oder die ganze RSBB beenden. Vorher wird nachgefragt.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Reload …</source>
-        <translation>Neu laden …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Take changed configuration files into use. First, all changes are listed.</source>
-        <translation>Geänderte Konfigurationsdateien übernehmen. Vorher werden alle Änderungen aufgelistet.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Reading the configuration files …</source>
-        <translation>Konfigurationsdateien werden gelesen …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>Warning: {line}</source>
-        <translation>Warnung: {line}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>End this client?</source>
-        <translation>Diesen Client beenden?</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>End this client</source>
-        <translation>Client beenden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
-        <source>This ends only this referee&apos;s client. The core and its runs continue.</source>
-        <translation>Das beendet nur den Client dieses Schiedsrichters. Der Core und seine Läufe gehen weiter.</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
         <source>Home devices</source>
         <translation>Geräte der Wohnung</translation>
@@ -2814,117 +2814,102 @@
         <translation>✘ KEINE GERÄTE</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/log_display.py"/>
-        <source>Log Display</source>
-        <translation>Protokoll</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>No manual operation now.</source>
         <translation>Zurzeit kein Handeingriff.</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>The robot has finished. Enter and confirm the switches that it changed in the panel OMF Switches.</source>
         <translation>Der Roboter ist fertig. Geben Sie im Fenster OMF-Schalter die Schalter ein, die er geändert hat, und bestätigen Sie sie.</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>✔ Manual operation complete</source>
         <translation>✔ Handeingriff erledigt</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>✔ Complete with this answer</source>
         <translation>✔ Mit dieser Antwort erledigt</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>Manual Operation</source>
         <translation>Handeingriff</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>Manual</source>
         <translation>Eingriff</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>Confirm that it is done. The run continues.</source>
         <translation>Bestätigen, dass es erledigt ist. Der Lauf geht weiter.</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>Manual operation complete …</source>
         <translation>Handeingriff erledigt …</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>Manual operation complete</source>
         <translation>Handeingriff erledigt</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>{command} in {zone}</source>
-        <translation>{command} in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Choose a robot, score without a robot, no-show</source>
-        <translation>Roboter wählen, ohne Roboter werten, nicht angetreten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>Used in HOMF only, from the robot&apos;s first goal.</source>
         <translation>Nur in HOMF benutzt, ab dem ersten Ziel des Roboters.</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>The robot has not finished. Confirm when it has.</source>
         <translation>Der Roboter ist noch nicht fertig. Bestätigen Sie, sobald er es ist.</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>OMF Switches</source>
         <translation>OMF-Schalter</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>Switches</source>
         <translation>Schalter</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>✔ Confirm switches</source>
         <translation>✔ Schalter bestätigen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>Confirm that the entries are correct</source>
         <translation>Bestätigen, dass die Eingaben stimmen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>The robot pressed switch {number}</source>
         <translation>Der Roboter hat Schalter {number} gedrückt</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>One fewer damaged switch</source>
         <translation>Ein beschädigter Schalter weniger</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>One more damaged switch</source>
         <translation>Ein beschädigter Schalter mehr</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>No switch is damaged</source>
         <translation>Kein Schalter ist beschädigt</translation>
     </message>
     <message numerus="yes">
-        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>{n} damaged</source>
         <translation>
             <numerusform>{n} beschädigt</numerusform>
@@ -2932,14 +2917,9 @@
         </translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/operations.py"/>
         <source>Switches confirmed</source>
         <translation>Schalter bestätigt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/online_data.py"/>
-        <source>Online</source>
-        <translation>Online</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
@@ -2962,31 +2942,6 @@
         <translation>▶ LÄUFT: {zones}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/pages.py"/>
-        <source>Results, history, judges</source>
-        <translation>Ergebnisse, Verlauf, Jury</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/pages.py"/>
-        <source>Pair phones and tablets</source>
-        <translation>Telefone und Tablets koppeln</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/pages.py"/>
-        <source>Open in the browser: results, history and judges, the schedule, pairing</source>
-        <translation>Im Browser öffnen: Ergebnisse, Verlauf und Jury, Zeitplan, Kopplung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/pages.py"/>
-        <source>No browser opens here. Open {page} in one, and type the code {code}</source>
-        <translation>Hier öffnet sich kein Browser. {page} in einem öffnen und den Code {code} eintippen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/pages.py"/>
-        <source>Results …</source>
-        <translation>Ergebnisse …</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
         <source>The core is silent: this is its last known state</source>
         <translation>Der Core ist stumm: Dies ist sein letzter bekannter Zustand</translation>
@@ -2998,8 +2953,38 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
+        <source>✘ {what} failed: {error}</source>
+        <translation>✘ {what} ist fehlgeschlagen: {error}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
         <source>✔ {what}: done</source>
         <translation>✔ {what}: erledigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
+        <source>Show this panel now</source>
+        <translation>Dieses Fenster jetzt zeigen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
+        <source>Leave the space to Scoring</source>
+        <translation>Den Platz der Wertung überlassen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/run_times.py"/>
+        <source>‼ LAST SECONDS ‼ {label}</source>
+        <translation>‼ LETZTE SEKUNDEN ‼ {label}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/score_sheet.py"/>
+        <source>Value</source>
+        <translation>Wert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/score_sheet.py"/>
+        <source>{group}, by {name}, entry {number} of the history</source>
+        <translation>{group}, von {name}, Eintrag {number} des Verlaufs</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
@@ -3072,229 +3057,244 @@
         <translation>Wertung des Benchmark-Moduls</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/shortcuts.py"/>
-        <source>just pressed</source>
-        <translation>gerade gedrückt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/shortcuts.py"/>
-        <source>{command}?  Press {key} again within {time:.0f} s</source>
-        <translation>{command}?  Drücken Sie innerhalb von {time:.0f} s noch einmal {key}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
-        <source>Tablet Status</source>
-        <translation>Tablet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/text_panel.py"/>
-        <source>Follow the end</source>
-        <translation>Dem Ende folgen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/basic.py"/>
-        <source>Not possible now</source>
-        <translation>Jetzt nicht möglich</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/basic.py"/>
-        <source>… keep holding</source>
-        <translation>… weiter halten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>F5 twice</source>
-        <translation>F5 zweimal</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>start the benchmark of the zone</source>
-        <translation>den Benchmark der Zone starten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>Tab, Shift+Tab</source>
-        <translation>Tab, Umschalt+Tab</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>go to the next or previous control; a frame shows where you are</source>
-        <translation>zum nächsten oder vorigen Bedienelement gehen; ein Rahmen zeigt, wo Sie sind</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>Space</source>
-        <translation>Leertaste</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>press the button in the frame</source>
-        <translation>die Schaltfläche im Rahmen drücken</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>Ctrl+F, F3, Shift+F3</source>
-        <translation>Strg+F, F3, Umschalt+F3</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>in a log: search, next, previous</source>
-        <translation>in einem Protokoll: suchen, nächste, vorige Stelle</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
-        <source>open this page; Esc closes it</source>
-        <translation>diese Seite öffnen; Esc schließt sie</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/run_times.py"/>
-        <source>‼ LAST SECONDS ‼ {label}</source>
-        <translation>‼ LETZTE SEKUNDEN ‼ {label}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
-        <source>Value</source>
-        <translation>Wert</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_keys.py"/>
-        <source>■ STOP {zones}?  Press {key} again within {time:.0f} s</source>
-        <translation>■ {zones} STOPPEN?  Drücken Sie innerhalb von {time:.0f} s noch einmal {key}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
-        <source>Stop the run at once: the button acts when it is pressed (keys: Esc twice)</source>
-        <translation>Den Lauf sofort stoppen: Der Knopf wirkt beim Drücken (Tasten: zweimal Esc)</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
-        <source>Stop the runs of all zones. Hold the button down (keys: Shift+Esc twice).</source>
-        <translation>Die Läufe aller Zonen stoppen. Halten Sie den Knopf gedrückt (Tasten: zweimal Umschalt+Esc).</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
-        <source>To stop all zones, hold the button down until the runs stop</source>
-        <translation>Um alle Zonen zu stoppen, halten Sie die Schaltfläche gedrückt, bis die Läufe stoppen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
-        <source>⚠ {part} has failed and may show old values. STOP works. The log says more</source>
-        <translation>⚠ {part} ist ausgefallen und zeigt vielleicht alte Werte. STOPP wirkt. Das Protokoll sagt mehr</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
-        <source>Esc twice: {zone}</source>
-        <translation>Zweimal Esc: {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
-        <source>{zone} · Esc is off here</source>
-        <translation>{zone} · Esc ist aus</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
-        <source>STOP and Esc stop {zone}, the only run. You see {shown}</source>
-        <translation>STOPP und Esc stoppen {zone}, den einzigen Lauf. Sie sehen {shown}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
-        <source>The window cannot be smaller: STOP would be cut off</source>
-        <translation>Das Fenster kann nicht kleiner sein: STOPP wäre abgeschnitten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
-        <source>The line beside STOP</source>
-        <translation>Die Zeile neben STOPP</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
-        <source>The line of the other zones</source>
-        <translation>Die Zeile der anderen Zonen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_strip.py"/>
-        <source>The core is silent. STOP is sent until it answers</source>
-        <translation>Der Core schweigt. STOPP wird gesendet, bis er antwortet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_window.py"/>
-        <source>Esc is off: click here first</source>
-        <translation>Esc wirkt nicht: erst hier klicken</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_window.py"/>
-        <source>Esc is off, because another window is in front. Press this STOP, or click the window of the RSBB</source>
-        <translation>Esc wirkt nicht, weil ein anderes Fenster vorn ist. Drücken Sie dieses STOPP, oder klicken Sie auf das Fenster der RSBB</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_window.py"/>
-        <source>RSBB: runs in progress</source>
-        <translation>RSBB: Läufe im Gang</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_window.py"/>
-        <source>RSBB: no run is in progress</source>
-        <translation>RSBB: kein Lauf im Gang</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_window.py"/>
-        <source>This STOP closes …</source>
-        <translation>Dieses STOPP schließt sich …</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_window.py"/>
-        <source>Close until another run begins, or the window of the RSBB is in front again</source>
-        <translation>Schließen, bis ein weiterer Lauf beginnt oder das Fenster der RSBB wieder vorn ist</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/stop_window.py"/>
-        <source>It stays: a STOP has not arrived, or a robot did not answer it</source>
-        <translation>Es bleibt: Ein STOPP ist nicht angekommen, oder ein Roboter hat nicht darauf geantwortet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/texts.py"/>
         <source>Search (Ctrl+F)</source>
         <translation>Suchen (Strg+F)</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/texts.py"/>
         <source>Previous match (Shift+F3)</source>
         <translation>Vorige Stelle (Umschalt+F3)</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/texts.py"/>
         <source>Next match (F3, Enter)</source>
         <translation>Nächste Stelle (F3, Enter)</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/texts.py"/>
         <source>{number} found</source>
         <translation>{number} gefunden</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/texts.py"/>
         <source>{number} of {all}</source>
         <translation>{number} von {all}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/texts.py"/>
         <source>No match</source>
         <translation>Keine Stelle gefunden</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
+        <location filename="../../src/roah_rsbb/rqt/panels/texts.py"/>
         <source>Type the text to search for</source>
         <translation>Geben Sie den gesuchten Text ein</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/undo.py"/>
-        <source>{group}, by {name}, entry {number} of the history</source>
-        <translation>{group}, von {name}, Eintrag {number} des Verlaufs</translation>
+        <location filename="../../src/roah_rsbb/rqt/panels/texts.py"/>
+        <source>Follow the end</source>
+        <translation>Dem Ende folgen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/with_ros/host.py"/>
-        <source>Nothing controls the home devices: the box is not running, or not with devices:=true</source>
-        <translation>Nichts steuert die Geräte der Wohnung: Die Box läuft nicht, oder nicht mit devices:=true</translation>
+        <location filename="../../src/roah_rsbb/rqt/panels/texts.py"/>
+        <source>Online</source>
+        <translation>Online</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/texts.py"/>
+        <source>Log Display</source>
+        <translation>Protokoll</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>
+        <source>Core Status</source>
+        <translation>Core-Status</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>
+        <source>The whole box</source>
+        <translation>Die ganze Box</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>
+        <source>Exit …</source>
+        <translation>Beenden …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>
+        <source>End this client or the whole RSBB. You are asked first.</source>
+        <translation>Diesen Client oder die ganze RSBB beenden. Vorher wird nachgefragt.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>
+        <source>Reload …</source>
+        <translation>Neu laden …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>
+        <source>Take changed configuration files into use. First, all changes are listed.</source>
+        <translation>Geänderte Konfigurationsdateien übernehmen. Vorher werden alle Änderungen aufgelistet.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>
+        <source>Reading the configuration files …</source>
+        <translation>Konfigurationsdateien werden gelesen …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>
+        <source>Warning: {line}</source>
+        <translation>Warnung: {line}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>
+        <source>End this client?</source>
+        <translation>Diesen Client beenden?</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>
+        <source>End this client</source>
+        <translation>Client beenden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>
+        <source>This ends only this referee&apos;s client. The core and its runs continue.</source>
+        <translation>Das beendet nur den Client dieses Schiedsrichters. Der Core und seine Läufe gehen weiter.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>
+        <source>Tablet Status</source>
+        <translation>Tablet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>
+        <source>Active Robots</source>
+        <translation>Aktive Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_strip.py"/>
+        <source>Stop the run at once: the button acts when it is pressed (keys: Esc twice)</source>
+        <translation>Den Lauf sofort stoppen: Der Knopf wirkt beim Drücken (Tasten: zweimal Esc)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_strip.py"/>
+        <source>Stop the runs of all zones. Hold the button down (keys: Shift+Esc twice).</source>
+        <translation>Die Läufe aller Zonen stoppen. Halten Sie den Knopf gedrückt (Tasten: zweimal Umschalt+Esc).</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_strip.py"/>
+        <source>To stop all zones, hold the button down until the runs stop</source>
+        <translation>Um alle Zonen zu stoppen, halten Sie die Schaltfläche gedrückt, bis die Läufe stoppen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_strip.py"/>
+        <source>⚠ {part} has failed and may show old values. STOP works. The log says more</source>
+        <translation>⚠ {part} ist ausgefallen und zeigt vielleicht alte Werte. STOPP wirkt. Das Protokoll sagt mehr</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_strip.py"/>
+        <source>Esc twice: {zone}</source>
+        <translation>Zweimal Esc: {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_strip.py"/>
+        <source>{zone} · Esc is off here</source>
+        <translation>{zone} · Esc ist aus</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_strip.py"/>
+        <source>STOP and Esc stop {zone}, the only run. You see {shown}</source>
+        <translation>STOPP und Esc stoppen {zone}, den einzigen Lauf. Sie sehen {shown}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_strip.py"/>
+        <source>The window cannot be smaller: STOP would be cut off</source>
+        <translation>Das Fenster kann nicht kleiner sein: STOPP wäre abgeschnitten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_strip.py"/>
+        <source>… keep holding</source>
+        <translation>… weiter halten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_strip.py"/>
+        <source>The line beside STOP</source>
+        <translation>Die Zeile neben STOPP</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_strip.py"/>
+        <source>The line of the other zones</source>
+        <translation>Die Zeile der anderen Zonen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_strip.py"/>
+        <source>The core is silent. STOP is sent until it answers</source>
+        <translation>Der Core schweigt. STOPP wird gesendet, bis er antwortet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_window.py"/>
+        <source>Esc is off: click here first</source>
+        <translation>Esc wirkt nicht: erst hier klicken</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_window.py"/>
+        <source>Esc is off, because another window is in front. Press this STOP, or click the window of the RSBB</source>
+        <translation>Esc wirkt nicht, weil ein anderes Fenster vorn ist. Drücken Sie dieses STOPP, oder klicken Sie auf das Fenster der RSBB</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_window.py"/>
+        <source>RSBB: runs in progress</source>
+        <translation>RSBB: Läufe im Gang</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_window.py"/>
+        <source>RSBB: no run is in progress</source>
+        <translation>RSBB: kein Lauf im Gang</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_window.py"/>
+        <source>This STOP closes …</source>
+        <translation>Dieses STOPP schließt sich …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_window.py"/>
+        <source>Close until another run begins, or the window of the RSBB is in front again</source>
+        <translation>Schließen, bis ein weiterer Lauf beginnt oder das Fenster der RSBB wieder vorn ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stop_window.py"/>
+        <source>It stays: a STOP has not arrived, or a robot did not answer it</source>
+        <translation>Es bleibt: Ein STOPP ist nicht angekommen, oder ein Roboter hat nicht darauf geantwortet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stops.py"/>
+        <source>No zone is running</source>
+        <translation>Keine Zone läuft</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stops.py"/>
+        <source>refused</source>
+        <translation>abgelehnt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stops.py"/>
+        <source>{way}, stop by hand: {zones}</source>
+        <translation>{way}, von Hand anhalten: {zones}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/stops.py"/>
+        <source>Stop {zones}</source>
+        <translation>{zones} stoppen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/windows.py"/>
+        <source>RoAH RSBB – referee</source>
+        <translation>RoAH RSBB – Schiedsrichter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/windows.py"/>
+        <source>&amp;Panels</source>
+        <translation>&amp;Fenster</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/bmbox/framework/module.py"/>

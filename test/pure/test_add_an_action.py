@@ -109,7 +109,7 @@ def test_the_panel_has_a_button_and_a_form(tree):
         from roah_rsbb.model.actions import ACTIONS, Action, Row
         from roah_rsbb.model.fields import Choice
         from roah_rsbb.model.reason import say
-        from roah_rsbb.rqt.panels.more_commands import ActionForm, RuleButtons, entered, what_text
+        from roah_rsbb.rqt.panels.actions import ActionForm, RuleButtons, entered, what_text
         from roah_rsbb.rqt.qt import QApplication
         app = QApplication([])
         ACTIONS["weigh"] = Action("weigh", say("Weigh it"), say("A module asks for it"), row=Row.MODULE)

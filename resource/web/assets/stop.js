@@ -91,7 +91,7 @@
   const isLinked = () => link.socket !== null && link.isHeard && performance.now() - link.heardAt <= SILENT_MS;
   const zoneOf = (name) => page.zones.find((zone) => zone.zone === name);
 
-  // The zone that STOP stops, as in the panels (rqt/model/stops.py): the one shown if a run is in progress in it, else that
+  // The zone that STOP stops, as in the panels (rqt/stops.py): the one shown if a run is in progress in it, else that
   // of the only run. Undefined: none is known. Without a link, a run may have begun unnoticed.
   function target() {
     const here = zoneOf(page.shown), running = page.zones.filter((zone) => zone.running);

@@ -11,8 +11,7 @@ pytest.importorskip("python_qt_binding")
 # Becomes a node with a stand-in for rospy's part, which is interrupted in the middle of it.
 STARTING = """
 import os, signal
-from roah_rsbb.rqt.app import application
-from roah_rsbb.rqt.with_ros import node
+from roah_rsbb.rqt import application, node
 
 def register(name, **_):
     os.kill(os.getpid(), signal.SIGNAL)
@@ -20,25 +19,24 @@ def register(name, **_):
 
 node.rosgraph.is_master_online = lambda: True
 node.connections.init_node = register
-host = node.WindowNode()
+window_node = node.WindowNode()
 app = application.make_application(["test", "-platform", "offscreen"])
-application.end_at_signals(host, application.ORDERLY_S)
-print("started", host.begin("test", application.must_end))
-print("ended with", application.run(app, host))
+application.end_at_signals(window_node, application.ORDERLY_S)
+print("started", window_node.begin("test", application.must_end))
+print("ended with", application.run(app, window_node))
 """
 WAITING = """
 import os, signal
-from roah_rsbb.rqt.app import application
-from roah_rsbb.rqt.with_ros import node
+from roah_rsbb.rqt import application, node
 
 application.display.has_display = lambda: True
 node.rosgraph.is_master_online = lambda: os.kill(os.getpid(), signal.SIGNAL)
 node.connections.init_node = lambda *_, **__: print("registered")
-application.show(node.WindowNode(), "test", print)
+application.show("test", print)
 """
 LEAVING = """
 from roah_rsbb.ground.linux import open_in_browser
-from roah_rsbb.rqt.app.application import leave
+from roah_rsbb.rqt.application import leave
 import pathlib
 
 class Host:
@@ -77,6 +75,6 @@ def test_a_window_that_ends_leaves_no_code_for_a_browser_in_a_file(tmp_path):
     (768, 17.0, 1.0), (1080, 17.0, 1.0), (1440, 17.0, 1.324), (2160, 17.0, 1.985), (2160, 34.0, 1.0), (9000, 17.0, 3.0),
 ])
 def test_texts_and_buttons_grow_on_a_large_screen_without_scaling(high_px, em_px, factor):
-    from roah_rsbb.rqt.app.application import growth
+    from roah_rsbb.rqt.application import growth
 
     assert growth(high_px, em_px) == pytest.approx(factor, abs=0.001)

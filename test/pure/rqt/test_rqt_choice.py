@@ -8,20 +8,20 @@ import sys
 import pytest
 
 from roah_rsbb.ros import display
-from roah_rsbb.rqt.with_ros import gui
+from roah_rsbb.rqt import programs
 
 
 @pytest.mark.parametrize(("wanted", "has_rqt", "command"), [
-    ("auto", True, gui.RQT), ("auto", False, gui.WINDOW), ("window", True, gui.WINDOW), ("window", False, gui.WINDOW),
-    ("rqt", True, gui.RQT),
+    ("auto", True, programs.RQT), ("auto", False, programs.WINDOW), ("window", True, programs.WINDOW),
+    ("window", False, programs.WINDOW), ("rqt", True, programs.RQT),
 ])
 def test_what_is_opened(wanted, has_rqt, command):
-    assert gui.choose(wanted, has_display=True, has_rqt=has_rqt) == (command, "", 0)
+    assert programs.choose(wanted, has_display=True, has_rqt=has_rqt) == (command, "", 0)
 
 
 @pytest.mark.parametrize("wanted", ["auto", "rqt", "window"])
 def test_without_a_display_nothing_is_opened_and_nothing_failed(wanted):
-    choice = gui.choose(wanted, has_display=False, has_rqt=True)
+    choice = programs.choose(wanted, has_display=False, has_rqt=True)
     assert choice == (None, display.NO_DISPLAY, 0)
     assert "\n" not in choice.text
 
@@ -35,14 +35,14 @@ def test_qt_that_aborts_ends_only_the_process_that_tried(monkeypatch, platform, 
 
 def test_rqt_starts_with_a_clear_settings_file_of_its_own():
     """Else qt_gui 0.4.2 crashes at the second start; and the referee's own rqt must keep its settings."""
-    assert "settings_filename='roah_rsbb_rqt'" in gui.RQT[2]
-    assert "--clear-config" in gui.RQT
+    assert "settings_filename='roah_rsbb_rqt'" in programs.RQT[2]
+    assert "--clear-config" in programs.RQT
 
 
 # Like rqt_gui's Main, up to the moment in which something happens to it. A destructor would print a line.
 RQT = """
 import signal, sys, time
-from roah_rsbb.rqt.with_ros.rqt_program import run_rqt
+from roah_rsbb.rqt.application import run_rqt
 from roah_rsbb.rqt.qt import QApplication, QMainWindow, QTimer, Signal
 
 class Window(QMainWindow):
@@ -82,7 +82,7 @@ def test_rqt_ends_at_once_without_closing_its_window(happens, printed, status):
     """Else qt_gui crashes or hangs sometimes."""
     pytest.importorskip("PyQt5.QtWidgets")
     pytest.importorskip("rospy")
-    assert "run_rqt(Main(" in gui.RQT[2]
+    assert "run_rqt(Main(" in programs.RQT[2]
     environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen"}
     program = [sys.executable, "-c", RQT.replace("HAPPENS", happens)]
     ended = subprocess.run(program, stdout=subprocess.PIPE, text=True, check=False, env=environment, timeout=300)
@@ -90,7 +90,7 @@ def test_rqt_ends_at_once_without_closing_its_window(happens, printed, status):
 
 
 def test_rqt_that_is_not_there_is_named_with_its_remedy():
-    choice = gui.choose("rqt", has_display=True, has_rqt=False)
+    choice = programs.choose("rqt", has_display=True, has_rqt=False)
     assert (choice.command, choice.code) == (None, 1)
     assert "ros-noetic-rqt-gui-py" in choice.text
     assert "gui:=window" in choice.text
@@ -99,9 +99,9 @@ def test_rqt_that_is_not_there_is_named_with_its_remedy():
 @pytest.fixture
 def keep(monkeypatch):
     """Run a Python program under a Keeper, and return its exit code."""
-    monkeypatch.setattr(gui, "REOPEN_S", 0.0)
+    monkeypatch.setattr(programs, "REOPEN_S", 0.0)
     before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
-    yield lambda program, reopen: gui.Keeper([sys.executable, "-S", "-c", program], reopen).run()
+    yield lambda program, reopen: programs.Keeper([sys.executable, "-S", "-c", program], reopen).run()
     for number, handler in zip((signal.SIGINT, signal.SIGTERM), before):
         signal.signal(number, handler)
 
@@ -111,8 +111,8 @@ COUNT = "import sys; f = open({path!r}, 'a'); f.write('x'); f.close(); sys.exit(
 
 @pytest.mark.parametrize(("code", "reopen", "lives"), [
     (0, False, 1),  # it was closed
-    (0, True, gui.MAX_SHORT_LIVES),  # it belongs to the box, but something closes it at once, each time
-    (3, False, gui.MAX_SHORT_LIVES),  # it cannot work at all
+    (0, True, programs.MAX_SHORT_LIVES),  # it belongs to the box, but something closes it at once, each time
+    (3, False, programs.MAX_SHORT_LIVES),  # it cannot work at all
 ])
 def test_a_window_is_opened_again_but_not_for_ever(keep, tmp_path, code, reopen, lives):
     path = tmp_path / "lives"
@@ -138,7 +138,7 @@ def test_a_signal_before_the_window_is_started_ends_the_window(keep, monkeypatch
 
 
 def test_a_window_that_does_not_end_is_killed(keep, monkeypatch):
-    monkeypatch.setattr(gui, "KILL_S", 0.1)
+    monkeypatch.setattr(programs, "KILL_S", 0.1)
     deaf = ("import os, signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); "
             "os.kill(os.getppid(), signal.SIGINT); time.sleep(600)")
     assert keep(deaf, True) == 0

@@ -2,7 +2,7 @@
 
 import pytest
 
-from roah_rsbb.rqt.model.edits import Edits
+from roah_rsbb.rqt.calls import Edits
 
 ITEM, OTHER = ("Achievements", "opens the door"), ("Achievements", "finds Annie")
 

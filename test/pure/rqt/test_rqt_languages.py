@@ -15,7 +15,7 @@ LANGUAGES = sorted(path.stem for path in catalogues.FOLDER.glob("*.ts"))
 
 # What programs print or log, and errors of files. No window shows it.
 NOT_IN_WINDOWS = {
-    "rqt/app/panel_list.py", "rqt/with_ros/gui.py", "rqt/with_ros/program.py", "rqt/qt.py", "rqt/language.py",
+    "rqt/programs.py", "rqt/qt.py", "rqt/language.py",
     "wording/language.py", "wording/texts.py",
 }
 # Literals that look like texts: names of classes, keys and time zones, and what rospy and the core say.
@@ -160,10 +160,9 @@ def test_unfinished_translations_are_shown_in_english(of_windows, tmp_path):
 
 # Shows a text and a button of Qt in the language of its environment; a German text must not reach what is written.
 SHOWING = """
-from roah_rsbb.rqt.app import application
+from roah_rsbb.rqt import application
 from roah_rsbb.rqt.qt import QDialogButtonBox
-from roah_rsbb.wording import sheets
-from roah_rsbb.wording import times
+from roah_rsbb.wording import sheets, times
 
 app = application.make_application(["test", "-platform", "offscreen"])
 buttons = QDialogButtonBox(QDialogButtonBox.Close)

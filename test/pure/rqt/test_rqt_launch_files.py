@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from roah_rsbb.rqt.app.panel_list import PANELS, plugin_name
+from roah_rsbb.rqt.programs import PANELS, plugin_name
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch"))
@@ -41,19 +41,19 @@ def test_arguments_are_explained(path):
 def test_each_panel_of_the_list_is_a_plugin():
     named = {element.get("name"): element.get("type") for element in PLUGINS.iter("class")}
     listed = list(map(plugin_name, PANELS))
-    assert named == {f"rqt_roah_rsbb/{name}": f"roah_rsbb.rqt.with_ros.plugins.{name}" for name in listed}
+    assert named == {f"rqt_roah_rsbb/{name}": f"roah_rsbb.rqt.plugins.{name}" for name in listed}
     for said in ("description", "qtgui/statustip"):
         assert {e.get("name").partition("/")[2]: e.findtext(said) for e in PLUGINS.iter("class")} == \
-            dict(zip(listed, PANELS.values()))
+            dict(zip(listed, (panel.what for panel in PANELS.values())))
 
 
-def test_each_file_of_a_panel_is_in_the_list():
+def test_each_panel_is_in_the_list():
     files = (ROOT / "src" / "roah_rsbb" / "rqt" / "panels").glob("*.py")
     classes = [(file.stem, node) for file in files for node in ast.parse(file.read_text(encoding="utf-8")).body
                if isinstance(node, ast.ClassDef)]
-    titled = {(name, node.name) for name, node in classes for line in node.body
+    titled = {(file, node.name) for file, node in classes for line in node.body
               if isinstance(line, ast.Assign) and line.targets[0].id == "TITLE" and isinstance(line.value, ast.Call)}
-    assert titled == {(name, f"{plugin_name(name)}Panel") for name in PANELS}
+    assert titled == {(panel.file, f"{plugin_name(name)}Panel") for name, panel in PANELS.items()}
 
 
 def test_all_plugins_are_in_one_group_of_the_menu():

@@ -1,6 +1,6 @@
 """Keys that must be pressed twice."""
 
-from roah_rsbb.rqt.model.presses import NOT_BEFORE_S, WITHIN_S, DoublePress
+from roah_rsbb.rqt.keys import NOT_BEFORE_S, WITHIN_S, DoublePress
 
 STOP_A, STOP_B, START_A = ("stop", "A"), ("stop", "B"), ("start", "A")
 

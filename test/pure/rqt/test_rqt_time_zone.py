@@ -9,7 +9,7 @@ from roah_rsbb.wording.times import Moments
 
 
 def test_times_are_those_of_the_venue():
-    model = pytest.importorskip("roah_rsbb.rqt.model.model")
+    model = pytest.importorskip("roah_rsbb.rqt.model")
     document = Document(BoxSeen("uuid", "", 0), {}, {}, {}, {}, {}, public=Public(time_zone="Asia/Tokyo"))
     shown = SimpleNamespace(afar=SimpleNamespace(number=1, document=document), _look=lambda: None)
     model.Model._take(shown)

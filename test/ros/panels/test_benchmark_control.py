@@ -9,11 +9,10 @@ from support.gui_testing import QMessageBox, Qt, QTest, answer, click, limit, qu
 from support.panel_case import BUMPS, DOOR, PanelCase
 
 from roah_rsbb.model.reason import RunName
-from roah_rsbb.rqt.model import calls
+from roah_rsbb.rqt import basic, calls
+from roah_rsbb.rqt.node import failure_text
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
 from roah_rsbb.rqt.qt import QLabel
-from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.rqt.with_ros.host import failure_text
 from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
 from roah_rsbb.scoring.sheet import Mark
 
@@ -259,7 +258,7 @@ class TestBenchmarkControl(PanelCase):
         wait_until(self.strip.stop.is_on, "stop is on")
         self.press(Qt.Key_Escape)
         self.assertEqual([call for call, _ in self.core.calls], ["start"])
-        self.assertIn("STOP Home A?  Press Esc again", self.client.stop_keys.prompt.text())
+        self.assertIn("STOP Home A?  Press Esc again", self.client.keys.prompt.text())
         self.press(Qt.Key_Escape)
         self.wait_phase("ENDED")
 

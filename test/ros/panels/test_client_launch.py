@@ -20,9 +20,9 @@ from support.real_input import close_all_windows
 from support.robots import RSBB_PORT
 from support.waiting import LIMIT_S
 
-from roah_rsbb.rqt.app.panel_list import PANELS
-from roah_rsbb.rqt.model.client import RefereeClient
-from roah_rsbb.rqt.with_ros.host import HostWithRos
+from roah_rsbb.rqt.client import RefereeClient
+from roah_rsbb.rqt.node import WindowNode
+from roah_rsbb.rqt.programs import PANELS
 
 ROS_TESTS = pathlib.Path(__file__).resolve().parents[1]
 PURE_TESTS = ROS_TESTS.parent / "pure"
@@ -61,7 +61,7 @@ class TestPrograms(unittest.TestCase):
 
     def test_a_core_that_was_killed_is_found_again(self) -> None:
         core = self.start_core()
-        client = RefereeClient.acquire(HostWithRos)
+        client = RefereeClient.acquire(WindowNode)
         self.addCleanup(RefereeClient.release)
         wait_until(lambda: not client.model.is_old, "the core is heard")
         core.kill()

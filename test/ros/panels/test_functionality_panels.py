@@ -9,12 +9,11 @@ from support.panel_case import PanelCase
 
 from helpers.forms import ODD, ODD_ASKED
 from roah_rsbb.model.records import ScoreValue
-from roah_rsbb.rqt.panels import manual_operation
-from roah_rsbb.rqt.panels.manual_operation import ManualOperationPanel
-from roah_rsbb.rqt.panels.omf_switches import NO_SWITCHES, OmfSwitchesPanel
+from roah_rsbb.rqt import basic
+from roah_rsbb.rqt.panels import operations
+from roah_rsbb.rqt.panels.operations import NO_SWITCHES, ManualOperationPanel, OmfSwitchesPanel
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
 from roah_rsbb.rqt.qt import QLabel
-from roah_rsbb.rqt.widgets import basic
 
 
 class TestManualOperation(PanelCase):
@@ -34,7 +33,7 @@ class TestManualOperation(PanelCase):
         return self.panel.form.editors[name]
 
     def test_without_a_request_there_is_nothing_to_do(self) -> None:
-        wait_until(lambda: self.panel.text.text() == manual_operation.NOTHING, "nothing is to be done")
+        wait_until(lambda: self.panel.text.text() == operations.NOTHING, "nothing is to be done")
         self.assertFalse(self.panel.buttons[0].isEnabled())
         self.assertFalse(self.panel.form.isVisible())
 
@@ -42,7 +41,7 @@ class TestManualOperation(PanelCase):
         self.ask(3, "Place the <b>mug</b> on the table")
         click(self.panel.buttons[0])
         self.wait_call("operation", "Home A", 3, "")
-        wait_until(lambda: self.panel.text.text() == manual_operation.NOTHING, "it is gone")
+        wait_until(lambda: self.panel.text.text() == operations.NOTHING, "it is gone")
 
     def test_a_new_request_flashes_and_then_stays_marked(self) -> None:
         self.ask(1, "Place it")
@@ -68,7 +67,7 @@ class TestManualOperation(PanelCase):
         self.assertEqual([button.text() for button in self.panel.buttons], ["try again", "skip"])
         click(self.panel.buttons[1])
         self.wait_call("operation", "Home A", 4, "skip")
-        texts = [manual_operation.COMPLETE]
+        texts = [operations.COMPLETE]
         wait_until(lambda: [button.text() for button in self.panel.buttons] == texts, "the choices are gone")
 
     def test_an_answer_is_typed(self) -> None:
@@ -113,7 +112,7 @@ class TestManualOperation(PanelCase):
         wait_until(lambda: "that manual operation is over" in self.panel._answer.text(), "the failure is shown")
         self.core.refuse = None
         click(self.panel.buttons[0])
-        wait_until(lambda: self.panel.text.text() == manual_operation.NOTHING, "it is done")
+        wait_until(lambda: self.panel.text.text() == operations.NOTHING, "it is done")
 
     def test_a_double_click_answers_one_request_only(self) -> None:
         self.ask(8, "first")
@@ -121,7 +120,7 @@ class TestManualOperation(PanelCase):
         for _ in range(2):
             QTest.mouseClick(self.panel.buttons[0], Qt.LeftButton)
         self.wait_call("operation", "Home A", 8, "")
-        wait_until(lambda: self.panel.text.text() == manual_operation.NOTHING, "it is gone")
+        wait_until(lambda: self.panel.text.text() == operations.NOTHING, "it is gone")
         self.ask(9, "second")
         self.assertEqual(len(self.core.calls), 1)
 
@@ -134,7 +133,7 @@ class TestManualOperation(PanelCase):
     def test_another_zone_has_its_own(self) -> None:
         self.ask(11, "Place it")
         self.client.model.choose_zone("Home B")
-        wait_until(lambda: self.panel.text.text() == manual_operation.NOTHING, "that zone asks nothing")
+        wait_until(lambda: self.panel.text.text() == operations.NOTHING, "that zone asks nothing")
         self.client.model.choose_zone("Home A")
         wait_until(lambda: self.panel.text.text() == "Place it", "the first one still asks")
 

@@ -13,6 +13,8 @@ from support.window_case import WindowCase, is_closed
 
 from helpers import catalogues
 from roah_rsbb.model.zone import SheetItem
+from roah_rsbb.rqt.basic import FittedText, Notices
+from roah_rsbb.rqt.panels.score_sheet import NumberField, UndoRow
 from roah_rsbb.rqt.qt import (
     QAbstractButton,
     QDialog,
@@ -29,9 +31,6 @@ from roah_rsbb.rqt.qt import (
     QTabWidget,
     QToolButton,
 )
-from roah_rsbb.rqt.widgets.basic import FittedText, Notices
-from roah_rsbb.rqt.widgets.score_fields import NumberField
-from roah_rsbb.rqt.widgets.undo import UndoRow
 from roah_rsbb.scoring.sheet import Mark
 
 LANGUAGE = "de"
@@ -158,7 +157,7 @@ class TestGerman(WindowCase):
 
     def test_before_during_and_after_a_run(self) -> None:
         self.look_at_all()
-        self.client.keys_key.open()
+        self.client.keys.open_page()
         self.look_at_dialog(must_fit=True)
         self.run_zone()
         self.look_during_the_run()

@@ -10,8 +10,8 @@ from support.window_case import WindowCase, in_sight
 from roah_rsbb.bmbox.hnf import HNF
 from roah_rsbb.model.records import ScoreValue
 from roah_rsbb.model.zone import RunClock
+from roah_rsbb.rqt import basic
 from roah_rsbb.rqt.qt import QLabel, QPoint, QScrollArea, QStyle, Qt, QTabBar
-from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.scoring.sheet import Mark
 

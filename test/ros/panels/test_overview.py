@@ -41,7 +41,7 @@ class TestOverview(PanelCase):
     @property
     def prompt(self) -> str:
         """Return the text of the prompt above all windows."""
-        prompt = self.client.stop_keys.prompt
+        prompt = self.client.keys.prompt
         return prompt.text() if prompt.isVisible() else ""
 
     def press(self) -> None:

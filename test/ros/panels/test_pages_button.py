@@ -7,17 +7,17 @@ from support.panel_case import PanelCase
 
 from roah_rsbb.document.calls import Caller
 from roah_rsbb.model.reason import Refused
-from roah_rsbb.rqt.panels import pages
+from roah_rsbb.rqt.panels import benchmark_control
 from roah_rsbb.wording.device import NO_WEB
 
 
 class TestPagesButton(PanelCase):
     def setUp(self) -> None:
-        limit(self, pages, "AGAIN_MS", 1)
+        limit(self, benchmark_control, "AGAIN_MS", 1)
         super().setUp()
         self.button = self.panel.pages
         self.asked, self.opened, self.has_browser = [], [], True
-        limit(self, pages, "open_in_browser", self.open_in_browser)
+        limit(self, benchmark_control, "open_in_browser", self.open_in_browser)
 
     def open_in_browser(self, url: str) -> bool:
         self.opened.append(url)
@@ -44,7 +44,7 @@ class TestPagesButton(PanelCase):
             first = first.nextInFocusChain()
         self.assertIs(first, self.panel._zones, "a stray space bar does not open it")
         self.client.referee.set("Anna & Ben")
-        parts = {action.text(): part for action, part in zip(self.button.menu().actions(), pages.PARTS)}
+        parts = {action.text(): part for action, part in zip(self.button.menu().actions(), benchmark_control.PARTS)}
         self.assertEqual(list(parts), ["Results, history, judges", "Schedule", "Pair phones and tablets"])
         for text, part in parts.items():
             self.press(text)

@@ -36,26 +36,20 @@ from support.panel_case import CoreCase
 from roah_rsbb.box.reload import Reloaded
 from roah_rsbb.document.calls import Caller
 from roah_rsbb.model.document import REPLAY as PREFIX
-from roah_rsbb.rqt.app import standalone
-from roah_rsbb.rqt.app.panel_list import PANELS, load
-from roah_rsbb.rqt.app.standalone import PanelWindow
-from roah_rsbb.rqt.app.window import Window
-from roah_rsbb.rqt.model import calls
-from roah_rsbb.rqt.model.client import RefereeClient
-from roah_rsbb.rqt.panels.active_robots import ActiveRobotsPanel
-from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
-from roah_rsbb.rqt.panels.log_display import LogDisplayPanel
-from roah_rsbb.rqt.panels.online_data import OnlineDataPanel
+from roah_rsbb.rqt import calls, windows
+from roah_rsbb.rqt.basic import ALARM, OLD
+from roah_rsbb.rqt.client import RefereeClient
+from roah_rsbb.rqt.keys import FocusRing
+from roah_rsbb.rqt.node import WindowNode
 from roah_rsbb.rqt.panels.overview import OverviewPanel
+from roah_rsbb.rqt.panels.score_sheet import ARRANGEMENTS, SheetView
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
-from roah_rsbb.rqt.panels.tablet_status import TabletStatusPanel
-from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, QObject, QPushButton, QSettings, QSpinBox, QWidget
-from roah_rsbb.rqt.widgets.basic import ALARM, OLD
-from roah_rsbb.rqt.widgets.focus_ring import FocusRing
-from roah_rsbb.rqt.widgets.reload_dialog import ReloadDialog
-from roah_rsbb.rqt.widgets.sheet_view import ARRANGEMENTS, SheetView
-from roah_rsbb.rqt.with_ros.host import HostWithRos
+from roah_rsbb.rqt.panels.texts import LogDisplayPanel, OnlineDataPanel
 from roah_rsbb.wording.whole_box import ROBOT_COLUMNS
+from roah_rsbb.rqt.panels.whole_box import ActiveRobotsPanel, CoreStatusPanel, ReloadDialog, TabletStatusPanel
+from roah_rsbb.rqt.programs import PANELS, load
+from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, QObject, QPushButton, QSettings, QSpinBox, QWidget
+from roah_rsbb.rqt.windows import Window
 
 PLUGIN_XML = pathlib.Path(__file__).resolve().parents[3] / "plugin.xml"
 
@@ -433,7 +427,7 @@ class TestWindow(CoreCase):
     def test_the_window_keeps_its_layout_and_its_panels_settings(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             settings = QSettings(f"{folder}/window.ini", QSettings.IniFormat)
-            window = Window(HostWithRos(), settings)
+            window = Window(WindowNode(), settings)
             show(window, 1200, 700)
             wait_until(lambda: "live" in window.panels["ScoringPanel"]._news.text(), "the core is shown")
             self.assertTrue(all(dock.isVisible() or window.tabifiedDockWidgets(dock) for dock in window.docks.values()))
@@ -441,7 +435,7 @@ class TestWindow(CoreCase):
             window.panels["LogDisplayPanel"].follow.setChecked(False)
             window.shutdown()
             window.close()
-            again = Window(HostWithRos(), QSettings(f"{folder}/window.ini", QSettings.IniFormat))
+            again = Window(WindowNode(), QSettings(f"{folder}/window.ini", QSettings.IniFormat))
             show(again, 1200, 700)
             self.assertFalse(again.docks["TabletStatusPanel"].isVisible())
             self.assertFalse(again.panels["LogDisplayPanel"].follow.isChecked())
@@ -458,8 +452,8 @@ class TestWindow(CoreCase):
                     larger = QWidget()
                     larger.setGeometry(40, 40, 2 * screen.width(), 2 * screen.height())
                     settings.setValue("geometry", larger.saveGeometry())
-                with unittest.mock.patch.multiple(standalone, WIDE_EMS=1000, HIGH_EMS=1000):
-                    window = PanelWindow(HostWithRos(), "overview", settings)
+                with unittest.mock.patch.multiple(windows, WIDE_EMS=1000, HIGH_EMS=1000):
+                    window = windows.PanelWindow("overview", WindowNode(), settings)
                 window.show()
                 place = window.geometry()
                 window.shutdown()
@@ -468,7 +462,7 @@ class TestWindow(CoreCase):
 
     def test_closing_the_window_of_a_launch_asks(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
-            window = Window(HostWithRos(), QSettings(f"{folder}/window.ini", QSettings.IniFormat), of_launch=True)
+            window = Window(WindowNode(), QSettings(f"{folder}/window.ini", QSettings.IniFormat), of_launch=True)
             show(window, 1200, 700)
             window.close()
             self.assertTrue(window.isVisible())

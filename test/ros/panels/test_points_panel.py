@@ -9,8 +9,8 @@ from support.window_case import WindowCase, in_sight
 
 from roah_rsbb.model.reason import RunName
 from roah_rsbb.model.scoring import ItemChoice, JuryResult, ScoreKind, ScoringItem
+from roah_rsbb.rqt.panels.score_sheet import ScoreDialog
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
-from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
 from roah_rsbb.scoring.sheet import Mark
 
 OBJECTS = ScoringItem("Table", "Objects in the dishwasher", ScoreKind.UINT, Decimal(20), most=Decimal(5))

@@ -8,8 +8,8 @@ from support.panel_case import BUMPS, DOOR
 from support.real_input import click_on, press_key
 from support.window_case import WindowCase, is_closed
 
+from roah_rsbb.rqt import basic
 from roah_rsbb.rqt.qt import QTimer
-from roah_rsbb.rqt.widgets import basic
 
 STOP_HOME_A = ("stop_run", "Home A")
 

@@ -6,11 +6,11 @@ from support.panel_case import BUMPS, DOOR
 from support.real_input import click_on, press_key
 from support.window_case import WindowCase, in_sight
 
-from roah_rsbb.rqt.panels.collapsing import MOST_ATTEMPTS
+from roah_rsbb.rqt import basic
+from roah_rsbb.rqt.keys import KeysPage
+from roah_rsbb.rqt.panels.panel import MOST_ATTEMPTS
+from roah_rsbb.rqt.panels.score_sheet import placed
 from roah_rsbb.rqt.qt import QPushButton
-from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.rqt.widgets.keys_page import KeysDialog
-from roah_rsbb.rqt.widgets.undo import placed
 from roah_rsbb.scoring.sheet import Mark
 from roah_rsbb.wording import times
 from roah_rsbb.wording.sheets import HistoryEntry
@@ -188,16 +188,16 @@ class TestKeys(WindowCase):
 
     def test_a_question_mark_shows_all_keys_and_esc_closes_them(self) -> None:
         press_key("question", "Shift_L")
-        page = self.dialog(KeysDialog)
+        page = self.dialog(KeysPage)
         click_on(self.window.strip.stop)
         self.wait_call("stop_run", "Home A")
         page.activateWindow()
         wait_until(lambda: QApplication.activeWindow() is page, "the page has the focus")
         press_key("Escape")
-        wait_until(lambda: not any(isinstance(w, KeysDialog) and w.isVisible() for w in QApplication.topLevelWidgets()),
+        wait_until(lambda: not any(isinstance(w, KeysPage) and w.isVisible() for w in QApplication.topLevelWidgets()),
                    "it is closed")
         press_key("question", "Shift_L")
-        self.dialog(KeysDialog).close()
+        self.dialog(KeysPage).close()
 
 
 class TestUndo(WindowCase):

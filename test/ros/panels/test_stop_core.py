@@ -12,11 +12,10 @@ from support.robots import CONFIG
 
 from roah_rsbb.client import client
 from roah_rsbb.protocol import RobotState
-from roah_rsbb.rqt.app.window import Window
-from roah_rsbb.rqt.model.client import RefereeClient
+from roah_rsbb.rqt.client import RefereeClient
+from roah_rsbb.rqt.node import CURRENT_ZONE, WindowNode
 from roah_rsbb.rqt.qt import QSettings
-from roah_rsbb.rqt.with_ros.host import HostWithRos
-from roah_rsbb.rqt.with_ros.zone_parameter import NAME
+from roah_rsbb.rqt.windows import Window
 from roah_rsbb.wording import stop
 
 
@@ -29,8 +28,8 @@ class TestCore(OwnCoreCase):
         self.log_dir = pathlib.Path(folder.name) / "logs"
         self.start()
         self.zone = self.box.document.box.zones[0]
-        rospy.set_param(NAME, self.zone)
-        self.window = Window(HostWithRos(), QSettings(f"{folder.name}/window.ini", QSettings.IniFormat))
+        rospy.set_param(CURRENT_ZONE, self.zone)
+        self.window = Window(WindowNode(), QSettings(f"{folder.name}/window.ini", QSettings.IniFormat))
         self.addCleanup(self.window.close)
         self.addCleanup(self.window.shutdown)
         self.client, self.strip = RefereeClient._shared, self.window.strip

@@ -27,7 +27,8 @@ from support.window_case import WindowCase, in_sight
 
 from helpers import catalogues
 from roah_rsbb.client import client
-from roah_rsbb.rqt.model import calls, stops
+from roah_rsbb.rqt import calls, stop_strip, stop_window, stops
+from roah_rsbb.rqt.keys import KeysPage
 from roah_rsbb.rqt.panels.devices import DevicesPanel
 from roah_rsbb.rqt.qt import (
     QComboBox,
@@ -42,10 +43,7 @@ from roah_rsbb.rqt.qt import (
     QToolButton,
     QToolTip,
 )
-from roah_rsbb.rqt.widgets import stop_strip, stop_window
-from roah_rsbb.rqt.widgets.keep_clear import clear_place
-from roah_rsbb.rqt.widgets.keys_page import KeysDialog
-from roah_rsbb.rqt.widgets.stop_strip import LEAST_HIGH, LEAST_WIDE, StopStrip
+from roah_rsbb.rqt.stop_strip import LEAST_HIGH, LEAST_WIDE, StopStrip, clear_place
 from roah_rsbb.wording import language, stop
 from roah_rsbb.wording.language import read_texts, translation
 
@@ -178,8 +176,8 @@ class MatrixCase(StripCase):
 
     def _dialog(self) -> Iterator[str]:
         self.start()
-        self.client.keys_key.open()
-        dialog = self.dialog(KeysDialog)
+        self.client.keys.open_page()
+        dialog = self.dialog(KeysPage)
         dialog.move(self.window.pos())
         self._wait_clear(dialog)
         yield "Home A"

@@ -19,10 +19,10 @@ from support.panel_case import BUMPS, DOOR, PanelCase
 from roah_rsbb.document.written import write
 from roah_rsbb.model.reason import RunName
 from roah_rsbb.model.results import RunLine, RunSheet
-from roah_rsbb.rqt.model.calls import CallOutcome
-from roah_rsbb.rqt.model.fetched import Sheets
+from roah_rsbb.rqt.calls import CallOutcome
+from roah_rsbb.rqt.model import Sheets
 from roah_rsbb.rqt.panels import benchmark_control, scoring
-from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
+from roah_rsbb.rqt.panels.score_sheet import ScoreDialog
 from roah_rsbb.scoring.sheet import Mark
 
 

@@ -42,8 +42,8 @@ os.environ.update({"DISPLAY": _start_display(), "QT_QPA_PLATFORM": "xcb", "XDG_C
                    "XDG_RUNTIME_DIR": _settings.name})
 
 from roah_rsbb.client import client  # noqa: E402  (only now is there a display)
-from roah_rsbb.rqt.app.application import make_application  # noqa: E402
-from roah_rsbb.rqt.model import calls, presses, stops  # noqa: E402
+from roah_rsbb.rqt import calls, keys, stops  # noqa: E402
+from roah_rsbb.rqt.application import make_application  # noqa: E402
 from roah_rsbb.rqt.panels import panel  # noqa: E402
 from roah_rsbb.rqt.qt import (  # noqa: E402
     QApplication,
@@ -64,7 +64,7 @@ LONG_S = 3600.0
 # and how long a line about a success stays. A busy machine may stop for seconds at any moment.
 _LIMITS = (
     (client, "OLD_S", LONG_S), (client, "SILENT_S", LONG_S), (client, "STOP_S", LONG_S), (calls, "TIMEOUT_S", LONG_S),
-    (presses, "WITHIN_S", LONG_S), (stops, "DONE_S", LONG_S), (stops, "FAILED_S", LONG_S),
+    (keys, "WITHIN_S", LONG_S), (stops, "DONE_S", LONG_S), (stops, "FAILED_S", LONG_S),
     (stop, "NOT_DELIVERED_S", LONG_S), (panel, "DONE_MS", round(1000 * LONG_S)),
 )
 

@@ -6,11 +6,11 @@ import unittest
 import rospy
 
 from roah_rsbb.client import client
-from roah_rsbb.rqt.model.client import RefereeClient
+from roah_rsbb.rqt import node
+from roah_rsbb.rqt.client import RefereeClient
+from roah_rsbb.rqt.node import WindowNode
 from roah_rsbb.rqt.panels.benchmark_control import BenchmarkControlPanel
-from roah_rsbb.rqt.widgets.stop_strip import StopStrip
-from roah_rsbb.rqt.with_ros import zone_parameter
-from roah_rsbb.rqt.with_ros.host import HostWithRos
+from roah_rsbb.rqt.stop_strip import StopStrip
 from support.fakes.core import FakeCore
 from support.gui_testing import QApplication, limit, show, wait_until, without_hurry
 
@@ -28,9 +28,9 @@ class CoreCase(unittest.TestCase):
         without_hurry(self)
         # A client that has ended may still be writing its zone.
         for thread in threading.enumerate():
-            if thread.name == zone_parameter.NAME:
+            if thread.name == node.CURRENT_ZONE:
                 thread.join()
-        rospy.set_param(zone_parameter.NAME, self.ZONE)
+        rospy.set_param(node.CURRENT_ZONE, self.ZONE)
         self.core = self.new_core()
         self.addCleanup(lambda: self.core.close())  # a test may replace it
         self.zone = self.core.zones[self.ZONE]
@@ -40,7 +40,7 @@ class CoreCase(unittest.TestCase):
 
     def open(self, kind: type):
         """Open one panel, until the test ends."""
-        self.client = RefereeClient.acquire(HostWithRos)
+        self.client = RefereeClient.acquire(WindowNode)
         self.addCleanup(RefereeClient.release)
         panel = kind(self.client)
         self.addCleanup(panel.close)

@@ -16,7 +16,7 @@ from PyQt5 import sip
 from PyQt5.QtCore import QAbstractNativeEventFilter
 from PyQt5.QtGui import QTouchDevice
 
-from roah_rsbb.rqt.model import presses
+from roah_rsbb.rqt.keys import NOT_BEFORE_S
 from roah_rsbb.rqt.qt import QTest
 from support.gui_testing import QApplication, QPoint, QWidget, app, sync, wait_until
 
@@ -69,7 +69,7 @@ _arrived = _Arrived()
 app.installNativeEventFilter(_arrived)
 
 # A press of a key that follows sooner is a bouncing key for the window.
-BETWEEN_PRESSES_S = presses.NOT_BEFORE_S + 0.05
+BETWEEN_PRESSES_S = NOT_BEFORE_S + 0.05
 
 _pressed: Dict[Tuple[str, ...], float] = {}  # keys, and when they were pressed last (monotonic seconds)
 

@@ -4,11 +4,11 @@ import tempfile
 
 from PyQt5 import sip
 
-from roah_rsbb.rqt.app.window import Window
-from roah_rsbb.rqt.model.client import RefereeClient
+from roah_rsbb.rqt.client import RefereeClient
+from roah_rsbb.rqt.node import WindowNode
+from roah_rsbb.rqt.panels.score_sheet import ScoreDialog
 from roah_rsbb.rqt.qt import QDialog, QRect, QSettings
-from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
-from roah_rsbb.rqt.with_ros.host import HostWithRos
+from roah_rsbb.rqt.windows import Window
 from support import gui_testing
 from support.fakes.core import ITEMS, FakeCore
 from support.gui_testing import QApplication, QPoint, QWidget, settle, show, wait_until
@@ -31,14 +31,14 @@ class WindowCase(CoreCase):
         super().setUp()
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
-        self.window = Window(HostWithRos(), QSettings(f"{folder.name}/window.ini", QSettings.IniFormat))
+        self.window = Window(WindowNode(), QSettings(f"{folder.name}/window.ini", QSettings.IniFormat))
         self.addCleanup(self.end)
         self.client = RefereeClient._shared
         self.window.move(0, 0)
         show(self.window, *self.SIZE)
         self.control = self.panel("BenchmarkControlPanel")
         self.scoring = self.panel("ScoringPanel")
-        self.prompt = self.client.stop_keys.prompt
+        self.prompt = self.client.keys.prompt
         self.wait_heard()
 
     def new_core(self) -> FakeCore:

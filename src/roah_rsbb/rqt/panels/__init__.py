@@ -1,1 +1,1 @@
-"""The panels, one file for each."""
+"""The panels, and the parts of them."""

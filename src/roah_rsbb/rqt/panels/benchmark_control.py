@@ -1,37 +1,110 @@
 """Benchmark Control: the zone's event, the state of its run, and the commands (docs/referee.md, "Benchmark Control").
 
-Key: F5 twice starts, whichever panel of the process has the focus. STOP is in the strip below all panels.
+Key: F5 twice starts, whichever panel of the process has the focus. STOP is in the strip below all panels. The button
+"Results …" leads to the page of the whole box in a browser (docs/referee.md, "The box's page").
 """
 
+import time
 from functools import partial
-from typing import Any, Dict, FrozenSet, Optional, Tuple
+from typing import Any, Callable, Dict, FrozenSet, Hashable, Optional, Tuple
+from urllib.parse import urlencode
 
+from roah_rsbb.ground.linux import open_in_browser
 from roah_rsbb.model.actions import ACTIONS, Action
 from roah_rsbb.model.fields import Team, entered
 from roah_rsbb.model.results import RunLine
+from roah_rsbb.document.calls import PAIR, PAIRED
 from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, ZoneSeen
-from roah_rsbb.rqt.model.calls import CallOutcome
-from roah_rsbb.rqt.model.fetched import Sheets
-from roah_rsbb.rqt.panels.more_commands import ActionForm, MoreMenu, RuleButtons, what_text, why_off
-from roah_rsbb.rqt.panels.pages import PagesButton
-from roah_rsbb.rqt.panels.panel import SILENT, AnswerLine, Panel, ask, keep_true
-from roah_rsbb.rqt.panels.shortcuts import TwiceKey
+from roah_rsbb.rqt import basic, keys
+from roah_rsbb.rqt.calls import CallOutcome
+from roah_rsbb.rqt.model import Sheets
+from roah_rsbb.rqt.panels.actions import ActionForm, MoreMenu, RuleButtons, ask, keep_true, what_text, why_off
+from roah_rsbb.rqt.panels.panel import SILENT, AnswerLine, Panel
+from roah_rsbb.rqt.panels.run_times import TimesWidget, phase_look
+from roah_rsbb.rqt.panels.score_sheet import MAX_NOTE
 from roah_rsbb.rqt.qt import (
     QComboBox,
     QGridLayout,
     QHBoxLayout,
+    QKeySequence,
     QLabel,
     QLineEdit,
+    QMenu,
+    QShortcut,
     QSizePolicy,
     Qt,
     QTimer,
     QToolButton,
 )
-from roah_rsbb.rqt.widgets import basic, phases
-from roah_rsbb.rqt.widgets.run_times import TimesWidget
-from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
 from roah_rsbb.wording import sheets, stop
 from roah_rsbb.wording.language import tr, tr_later, tr_said
+
+ORGANISER = "organiser"
+# The parts of the page that windows do not draw, by their names in its address.
+PARTS = {"runs": tr_later("Results, history, judges"), "schedule": tr_later("Schedule"),
+         "pairings": tr_later("Pair phones and tablets")}
+OPEN = tr_later("Open in the browser: results, history and judges, the schedule, pairing")
+NO_BROWSER = tr_later("No browser opens here. Open {page} in one, and type the code {code}")
+# How often the box is asked whether it serves pages, while it does not.
+AGAIN_MS = 2000
+
+
+class PagesButton(QToolButton):
+    """Opens a part of the page in a browser, which a code from the box's door pairs. While no pages are served, it is
+    off and says why."""
+
+    def __init__(self, panel: Panel, answer: AnswerLine) -> None:
+        super().__init__()
+        self._panel = panel
+        self._answer = answer
+        self.setText(tr("Results …"))
+        self.setFocusPolicy(Qt.TabFocus)
+        self.setPopupMode(QToolButton.InstantPopup)
+        basic.set_style(basic.enlarged(self, 1.0, bold=True), "QToolButton::menu-indicator { image: none; }")
+        menu = QMenu(self)
+        for part, text in PARTS.items():
+            menu.addAction(tr(text)).triggered.connect(lambda _checked=False, part=part: self._ask_code(part))
+        self.setMenu(menu)
+        self._again = QTimer(self, singleShot=True, timeout=self._look)
+        self._allow(tr("Waiting for the core"))
+        self._look()
+
+    def end(self) -> None:
+        """Ask no more."""
+        self._again.stop()
+
+    def _look(self) -> None:
+        self._panel.client.calls.call(self._panel, PAIRED, lambda outcome: self._allow(outcome.error))
+
+    def _allow(self, why_off: str) -> None:
+        self.setEnabled(not why_off)
+        self.setToolTip(basic.tip(why_off or tr(OPEN)))
+        if why_off:
+            self._again.start(AGAIN_MS)
+
+    def _ask_code(self, part: str) -> None:
+        self._answer.say(f"{tr(PARTS[part])} …")
+        self._panel.client.calls.call(self._panel, PAIR, partial(self._open, part), role=ORGANISER, zone="")
+
+    def _open(self, part: str, outcome: CallOutcome) -> None:
+        """Open the page that pairs the browser, unless it is paired, and then leads to the part."""
+        if outcome.error:
+            self._answer.show_outcome(tr(PARTS[part]), outcome)
+            self._allow(outcome.error)
+            return
+        page, _, link = outcome.result["url"].partition("#")
+        query = {"part": part, "zone": self._panel.model.zone_name, "person": self._panel.client.referee.name}
+        shown = tr(NO_BROWSER, page=page, code=outcome.result["code"])
+
+        def opened(found: CallOutcome) -> None:
+            if found.is_answered and not found.result:  # it takes long to start
+                self._answer.warn(shown)
+            else:
+                self._answer.clear_answer()
+
+        opens = partial(open_in_browser, f"{page}?{urlencode(query)}#{link}")
+        self._panel.client.calls.run(self._panel, "browser", opens, opened)
+
 
 REASON = tr_later("Reason for the stop")
 ASK_REASON = tr_later("Why was the run stopped? Press Enter to save")
@@ -102,6 +175,46 @@ class StopReasonLine(QLineEdit):
         client.calls.act(self._panel, "stop_reason", summary.zone, summary.identity, {"reason": reason}, done)
 
 
+class TwiceKey:
+    """A key that gives a button's command when it is pressed twice, wherever the focus is."""
+
+    def __init__(
+        self, panel: Panel, key: str, button: basic.CommandButton, answer: AnswerLine,
+        what: Callable[[], Tuple[Hashable, str]], act: Callable[[], None],
+    ) -> None:
+        """`what()` returns the key's current command, on which both presses must agree, and its name."""
+        self._key = key
+        self._button = button
+        self._answer = answer
+        self._what = what
+        self._act = act
+        self._presses = panel.client.presses
+        self._asked = False
+        shortcut = QShortcut(QKeySequence(key), panel)
+        shortcut.setContext(Qt.ApplicationShortcut)
+        shortcut.setAutoRepeat(False)
+        shortcut.activated.connect(self._press)
+        # If a process has two of these panels, either may take the key: they share the count of presses.
+        shortcut.activatedAmbiguously.connect(self._press)
+
+    def forget(self) -> None:
+        """Clear the prompt when the time for the second press is over. Call it regularly."""
+        if self._asked and self._presses.armed(time.monotonic()) is None:
+            self._asked = False
+            self._answer.clear_answer()
+
+    def _press(self) -> None:
+        now, (what, label) = time.monotonic(), self._what()
+        if not self._button.is_on():
+            self._answer.warn(f"{label}: {self._button.why_off or tr('just pressed')}")
+        elif self._presses.press(now, what):
+            self._act()
+        elif self._presses.armed(now) == what:
+            self._answer.warn(tr("{command}?  Press {key} again within {time:.0f} s",
+                                 command=label, key=self._key, time=keys.WITHIN_S))
+            self._asked = True
+
+
 # The actions that have a place of their own here.
 COMMANDS = {name: ACTIONS[name] for name in ("previous", "next", "connect", "start", "disconnect")}
 SMALL = ("previous", "next")
@@ -149,7 +262,7 @@ class BenchmarkControlPanel(Panel):
         keys.setText("?")
         keys.setToolTip(tr("All keys (key: ?)"))
         keys.setFocusPolicy(Qt.NoFocus)  # the key does the same
-        keys.clicked.connect(client.keys_key.open)
+        keys.clicked.connect(client.keys.open_page)
         self.heading.addWidget(keys)
         self._zones.activated.connect(lambda index: self.model.choose_zone(self._zones.itemText(index)))
         self._start_key = self._key("F5", "start")
@@ -233,7 +346,7 @@ class BenchmarkControlPanel(Panel):
         zone, clock = self.model.zone, self.model.clock_of(self.model.zone_name)
         self.times.show_clock(clock, self.model.is_old)
         if zone is not None:
-            phase = phases.shown(zone, clock)
+            phase = phase_look(zone, clock)
             text = f"{phase.text}  ·  {zone.robot_name}" if zone.robot_name else phase.text
             self._phase.show_text(text, basic.IDLE if self.model.is_old else phase.tone)
         self.more.show_zone(zone, self._silent(zone))  # its menu may just have closed

@@ -9,8 +9,8 @@ from typing import Callable, Dict, List, Sequence
 
 from roah_rsbb.document.calls import RING
 from roah_rsbb.protocol import wire_seconds
-from roah_rsbb.rqt.model.calls import CallOutcome
-from roah_rsbb.rqt.model.edits import Edits
+from roah_rsbb.rqt import basic
+from roah_rsbb.rqt.calls import CallOutcome, Edits
 from roah_rsbb.rqt.panels.panel import AnswerLine, Panel
 from roah_rsbb.rqt.qt import (
     QFrame,
@@ -24,9 +24,8 @@ from roah_rsbb.rqt.qt import (
     QVBoxLayout,
     QWidget,
 )
-from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.wording import whole_box
 from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording import whole_box
 from roah_rsbb.wording.whole_box import PERCENT, UNCONFIRMED
 
 PAGE = 10
@@ -254,7 +253,7 @@ class DevicesPanel(Panel):
         self.show_times()
 
     def _send(self, device: str, value: int) -> None:
-        self.client.host.devices.set(self.client.calls, self, device, value, partial(self._answered, device, value))
+        self.client.node.devices.set(self.client.calls, self, device, value, partial(self._answered, device, value))
 
     def _answered(self, device: str, value: int, outcome: CallOutcome) -> None:
         what = f"{self.rows[device].name}: {value}{'' if whole_box.DEVICES[device] else ' %'}"
@@ -269,5 +268,5 @@ class DevicesPanel(Panel):
 
     def _ring(self) -> None:
         self.ring.hold()
-        self.client.host.devices.set(
+        self.client.node.devices.set(
             self.client.calls, self, RING, 1, lambda outcome: self._answer.show_outcome(tr(whole_box.BELL), outcome))

@@ -4,8 +4,9 @@ import math
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.zone import ZoneSeen
-from roah_rsbb.rqt.model.stops import NONE_RUNS, NOT_HEARD
-from roah_rsbb.rqt.panels.collapsing import CollapsingPanel
+from roah_rsbb.rqt import basic
+from roah_rsbb.rqt.panels.panel import CollapsingPanel
+from roah_rsbb.rqt.panels.run_times import known, marked, phase_look, tone_of
 from roah_rsbb.rqt.qt import (
     QApplication,
     QFontMetrics,
@@ -18,8 +19,7 @@ from roah_rsbb.rqt.qt import (
     QWidget,
     Signal,
 )
-from roah_rsbb.rqt.widgets import basic, phases
-from roah_rsbb.rqt.widgets.run_times import known, marked, tone_of
+from roah_rsbb.rqt.stops import NONE_RUNS, NOT_HEARD
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import Clock, clock_lines
@@ -115,7 +115,7 @@ class ZoneTile(QFrame):
         self.countdown.setToolTip(basic.tip("\n".join(clock_lines(known(clock)))))
         tone = None if old else tone_of(figure)
         basic.set_style(self.countdown, tone.css if tone else "")
-        phase = phases.shown(zone, clock)
+        phase = phase_look(zone, clock)
         self._phase_text = phase.text
         self.phase.show_text(phase.text, basic.IDLE if old else phase.tone)
         self._fit()

@@ -9,10 +9,22 @@ from roah_rsbb.model.records import ScoreValue, SheetPoints
 from roah_rsbb.model.results import HistoryEntry
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import IDLE, SheetItem
-from roah_rsbb.rqt.model.calls import CallOutcome, RefereeName
-from roah_rsbb.rqt.model.edits import Edits
-from roah_rsbb.rqt.model.fetched import Sheets
+from roah_rsbb.rqt import basic
+from roah_rsbb.rqt.calls import CallOutcome, Edits, RefereeName
+from roah_rsbb.rqt.model import Sheets
 from roah_rsbb.rqt.panels.panel import AnswerLine, Panel
+from roah_rsbb.rqt.panels.score_sheet import (
+    MAX_VALUE,
+    NO_JUDGE,
+    PLACES,
+    UNDO,
+    ChoiceField,
+    NumberField,
+    RatingFields,
+    ScoreDialog,
+    SheetView,
+    UndoRow,
+)
 from roah_rsbb.rqt.qt import (
     QFrame,
     QHBoxLayout,
@@ -28,11 +40,6 @@ from roah_rsbb.rqt.qt import (
     QVBoxLayout,
     QWidget,
 )
-from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.rqt.widgets.score_dialogs import MAX_VALUE, ScoreDialog
-from roah_rsbb.rqt.widgets.score_fields import NO_JUDGE, ChoiceField, NumberField, RatingFields
-from roah_rsbb.rqt.widgets.sheet_view import SheetView
-from roah_rsbb.rqt.widgets.undo import PLACES, UNDO, UndoRow
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.sheets import scores_by_group

@@ -11,7 +11,7 @@ from typing import Callable
 import rospy
 from std_msgs.msg import String as StringMsg
 
-from roah_rsbb.rqt.app import application
+from roah_rsbb.rqt import application
 from roah_rsbb.rqt.qt import QApplication, QObject, QPoint, Qt, QTabBar, QTest, QTimer, QWidget, Signal
 from roah_rsbb.srv import String
 

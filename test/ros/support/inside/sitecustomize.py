@@ -11,7 +11,7 @@ class _Watch(importlib.abc.MetaPathFinder):
     """Finds no module: it only sees that the window is imported."""
 
     def find_spec(self, name, path=None, target=None):
-        if name == "roah_rsbb.rqt.app.window":
+        if name == "roah_rsbb.rqt.windows":
             sys.meta_path.remove(self)
             import clicker
 

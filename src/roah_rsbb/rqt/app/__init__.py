@@ -1,1 +1,0 @@
-"""Programs with windows: the list of panels, our own window, single panels."""

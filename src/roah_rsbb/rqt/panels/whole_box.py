@@ -1,0 +1,269 @@
+"""Panels of the whole box: Core Status with reload and exit, Tablet Status, Active Robots (docs/referee.md)."""
+
+from typing import Callable, List, Optional, Sequence, Tuple
+
+from roah_rsbb.rqt import basic
+from roah_rsbb.rqt.calls import CallOutcome
+from roah_rsbb.rqt.panels.actions import ask
+from roah_rsbb.rqt.panels.panel import AnswerLine, CollapsingPanel, Panel
+from roah_rsbb.rqt.qt import (
+    QAbstractItemView,
+    QDialog,
+    QDialogButtonBox,
+    QFormLayout,
+    QGridLayout,
+    QHBoxLayout,
+    QHeaderView,
+    QLabel,
+    QPlainTextEdit,
+    Qt,
+    QTableWidget,
+    QTableWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.language import tr_said
+from roah_rsbb.wording import whole_box
+from roah_rsbb.wording.whole_box import ROBOT_COLUMNS, LinkQuality, column_explanations, robot_rows
+from roah_rsbb.wording.whole_box import BOX_FACTS, TABLET_FACTS, box_facts, tablet_facts
+
+RELOAD = "reload"
+
+
+class CoreStatusPanel(Panel):
+    """Status, address, port, number of robots and runs; reload and exit.
+
+    *Reload* checks the configuration files and lists what they change, before anything is applied. What *exit* ends
+    depends on the launch file (`WindowNode.ends_box`).
+    """
+
+    TITLE = tr_later("Core Status")
+    TAB = tr_later("Core")
+    WHERE = tr_later("The whole box")
+    PARTS = ("robots", "zones")
+
+    def __init__(self, client) -> None:
+        super().__init__(client)
+        self.notices = basic.Notices(1.3)
+        self.notices.setMinimumHeight(round(3 * basic.em()))
+        self.body.addWidget(self.notices, 1)
+        grid = QGridLayout()
+        self.values: List[QLabel] = []
+        for number, label in enumerate(BOX_FACTS):
+            value = QLabel(textFormat=Qt.PlainText)
+            value.setTextInteractionFlags(Qt.TextSelectableByMouse)
+            self.values.append(basic.enlarged(value, 1.1))
+            row, column = divmod(number, 2)
+            grid.addWidget(QLabel(tr(label)), row, 2 * column)
+            grid.addWidget(value, row, 2 * column + 1)
+            grid.setColumnStretch(2 * column + 1, 1)
+        self.body.addLayout(grid)
+        self._answer = AnswerLine()
+        self.body.addWidget(self._answer)
+        self.exit = basic.CommandButton(
+            tr("Exit …"), tr("End this client or the whole RSBB. You are asked first."), 1.0)
+        self.exit.allow(True)
+        self.exit.clicked.connect(self.ask_exit)
+        self.reload = basic.CommandButton(
+            tr("Reload …"), tr("Take changed configuration files into use. First, all changes are listed."), 1.0)
+        self.reload.allow(True)
+        self.reload.clicked.connect(self.ask_reload)
+        buttons = QHBoxLayout()
+        buttons.addWidget(self.reload)
+        buttons.addWidget(self.exit)
+        self.body.addLayout(buttons)
+
+    def show_model(self) -> None:
+        document = self.model.document
+        if document is None:
+            self.notices.show_lines([(line, False) for line in (tr("Waiting for the core"), self.model.why) if line])
+            return
+        box = document.box
+        status = [(tr_said(box.own_status), box.status != "OK")] if box.own_status else []
+        self.notices.show_lines(status + [(tr_said(warning), True) for warning in box.warnings])
+        for value, text in zip(self.values, box_facts(document)):
+            value.setText(text)
+            value.setEnabled(not self.model.is_old)
+
+    # -- reload -------------------------------------------------------------------------------------
+
+    def ask_reload(self) -> None:
+        """Check the files, list what they change, then ask."""
+        self.reload.hold()
+        self._answer.say(tr("Reading the configuration files …"))
+        self.client.calls.call(self, RELOAD, self._ask_reload, digest="")
+
+    def _ask_reload(self, found: CallOutcome) -> None:
+        if found.error:
+            self._answer.show_outcome(tr("Reload"), found)
+            return
+        self._answer.clear_answer()
+        answer = found.result
+        if answer["errors"]:
+            self._show_lines(tr("Nothing was changed. Correct this first:"), answer["errors"])
+        elif not answer["changes"]:
+            self._answer.say(tr("The files contain what is in force"))
+        else:
+            warnings = [tr("Warning: {line}", line=line) for line in answer["warnings"]]
+            heading = tr("Apply these changes? Connected runs keep what they began with.")
+            self._show_lines(heading, [*answer["changes"], *warnings], lambda: self._apply(answer["digest"]))
+
+    def _show_lines(self, heading: str, lines: Sequence[str], apply: Optional[Callable[[], None]] = None) -> None:
+        basic.show_dialog(ReloadDialog(self, heading, list(lines), apply))
+
+    def _apply(self, digest: str) -> None:
+        self._answer.say(tr("Reload …"))
+        self.client.calls.call(self, RELOAD, self._applied, digest=digest)
+
+    def _applied(self, outcome: CallOutcome) -> None:
+        if not outcome.error and outcome.result["errors"]:
+            self._show_lines(tr("Nothing was changed. Correct this first:"), outcome.result["errors"])
+            self._answer.clear_answer()
+        else:
+            self._answer.show_outcome(tr("Reload"), outcome)
+
+    # -- exit ---------------------------------------------------------------------------------------
+
+    def ask_exit(self) -> None:
+        """Find out what *exit* would end, then ask."""
+        self.exit.hold()
+        self.client.calls.run(self, "exit", self.client.node.ends_box, self._ask)
+
+    def _ask(self, found: CallOutcome) -> None:
+        if found.error:
+            self._answer.show_outcome(tr("Exit"), found)
+            return
+        runs = whole_box.runs_in_progress(map(self.model.zone_of, self.model.running_zones()))
+        if found.result:
+            question, yes, text = tr(whole_box.END_QUESTION), tr(whole_box.END_NOW), tr(whole_box.ENDS_ALL)
+        else:
+            question, yes = tr("End this client?"), tr("End this client")
+            text = tr("This ends only this referee's client. The core and its runs continue.")
+        in_progress = [tr(whole_box.END_RUNS, runs=runs)] if runs else []
+        ask(self, question, "\n\n".join([text, *in_progress]), yes, self._exit)
+
+    def _exit(self) -> None:
+        self.client.node.exit(self.client.calls, self, self._answer.begin(tr("Exit")))
+
+
+# Size, in units of the desktop's font.
+RELOAD_WIDE_EMS, RELOAD_HIGH_EMS = 52, 26
+
+
+class ReloadDialog(QDialog):
+    """Shows the lines, and calls `apply()` if the organiser confirms. Without `apply`, it can only be closed."""
+
+    def __init__(self, parent: QWidget, heading: str, lines: List[str], apply: Optional[Callable[[], None]]) -> None:
+        super().__init__(parent, windowTitle=tr("Reload configuration"))
+        self.setAttribute(Qt.WA_DeleteOnClose)
+        box = QVBoxLayout(self)
+        label = basic.enlarged(QLabel(heading, wordWrap=True, textFormat=Qt.PlainText), 1.2, bold=True)
+        box.addWidget(label)
+        self.lines = QPlainTextEdit("\n".join(lines), readOnly=True)
+        box.addWidget(self.lines, 1)
+        buttons = QDialogButtonBox()
+        buttons.accepted.connect(self.accept)
+        buttons.rejected.connect(self.reject)
+        if apply is None:
+            buttons.addButton(tr("Close"), QDialogButtonBox.RejectRole)
+        else:
+            self.apply = buttons.addButton(tr("Apply"), QDialogButtonBox.AcceptRole)
+            self.apply.setAutoDefault(False)
+            cancel = buttons.addButton(tr("Cancel"), QDialogButtonBox.RejectRole)
+            cancel.setDefault(True)
+            self.accepted.connect(apply)
+        box.addWidget(buttons)
+        self.resize(round(RELOAD_WIDE_EMS * basic.em()), round(RELOAD_HIGH_EMS * basic.em()))
+
+
+class TabletStatusPanel(Panel):
+    """Display, call and position of the tablet."""
+
+    TITLE = tr_later("Tablet Status")
+    TAB = tr_later("Tablet")
+    WHERE = tr_later("The whole box")
+    PARTS = ()
+
+    def __init__(self, client) -> None:
+        super().__init__(client)
+        form = QFormLayout()
+        form.setRowWrapPolicy(QFormLayout.WrapLongRows)
+        self.values: List[QLabel] = []
+        for label in TABLET_FACTS:
+            self.values.append(basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), 1.2))
+            form.addRow(tr(label), self.values[-1])
+        self.body.addLayout(form)
+        self.body.addStretch(1)
+
+    def show_model(self) -> None:
+        if self.model.box is None:
+            self.values[0].setText(tr("Waiting for the core"))
+
+    def show_times(self) -> None:
+        if self.model.box is None:
+            return
+        moments = self.client.moments
+        for value, (text, utc_s) in zip(self.values, tablet_facts(self.model.box.tablet, self.model.now(), moments)):
+            value.setText(text)
+            value.setToolTip(moments.tip(utc_s) if utc_s else "")
+            value.setEnabled(not self.model.is_old)
+
+
+class ActiveRobotsPanel(CollapsingPanel):
+    """A table with one row per robot."""
+
+    TITLE = tr_later("Active Robots")
+    TAB = tr_later("Robots")
+    WHERE = tr_later("The whole box")
+    PARTS = ("robots", "zones")
+
+    def __init__(self, client) -> None:
+        super().__init__(client)
+        self.table = basic.enlarged(QTableWidget(0, len(ROBOT_COLUMNS)), 1.1)
+        self.table.setHorizontalHeaderLabels([tr(column) for column in ROBOT_COLUMNS])
+        for column, explanation in column_explanations().items():
+            self.table.horizontalHeaderItem(column).setToolTip(basic.tip(explanation))
+        self.table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeToContents)
+        self.table.horizontalHeader().setStretchLastSection(True)
+        self.table.verticalHeader().hide()
+        self.table.verticalHeader().setSectionResizeMode(QHeaderView.ResizeToContents)
+        self.table.setEditTriggers(QAbstractItemView.NoEditTriggers)
+        self.table.setSelectionMode(QAbstractItemView.NoSelection)
+        self.table.setFocusPolicy(Qt.NoFocus)
+        self.body.addWidget(self.table, 1)
+        self._links = LinkQuality()
+        # Also while the panel is hidden: the quality depends on the past.
+        self.model.ticked.connect(self._observe)
+
+    def shutdown(self) -> None:
+        self.model.ticked.disconnect(self._observe)
+        super().shutdown()
+
+    def _observe(self) -> None:
+        if self.model.document is not None:
+            self._links.look(self.model.document, self.model.now().mono)
+
+    def show_model(self) -> None:
+        self._observe()
+        self.table.setEnabled(not self.model.is_old)
+
+    def show_times(self) -> None:
+        document = self.model.document
+        robots = [] if document is None else robot_rows(document, self.model.now().mono, self._links)
+        self._show_lines(robots or [self._nobody()])
+
+    def _nobody(self) -> Tuple[str, ...]:
+        text = tr("No robot is heard") if self.model.document else tr("Waiting for the core")
+        return (text, *("" for _ in ROBOT_COLUMNS[1:]))
+
+    def _show_lines(self, lines: List[Tuple[str, ...]]) -> None:
+        self.table.setRowCount(len(lines))
+        for row, line in enumerate(lines):
+            for column, text in enumerate(line):
+                item = self.table.item(row, column)
+                if item is None:
+                    item = QTableWidgetItem()
+                    self.table.setItem(row, column, item)
+                if item.text() != text:
+                    item.setText(text)

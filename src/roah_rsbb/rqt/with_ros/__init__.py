@@ -1,1 +1,0 @@
-"""Windows with ROS: what panels need of it, rqt plugins, programs of rosrun and of launch files."""
