@@ -362,7 +362,7 @@ class TestOpen(StripCase):
 
     def test_a_short_press_on_stop_all_stops_nothing_and_says_how(self) -> None:
         self.start()
-        limit(self, stop_strip.basic, "KEEP_MS", 3_600_000)
+        limit(self, stop_strip, "KEEP_MS", 3_600_000)
         click_on(self.strip.stop_all)
         wait_until(lambda: "hold the button down" in self.strip.way.whole, "the strip says how")
         self.assertEqual(self.core.calls, [])
