@@ -17,8 +17,8 @@ from roah_rsbb.rqt.calls import CallOutcome, Calls
 from roah_rsbb.rqt.qt import QObject, QTimer, QWidget, Signal
 from roah_rsbb.wording import times, whole_box
 from roah_rsbb.wording.language import tr
-from roah_rsbb.wording.whole_box import REPLAY_NO_COMMANDS
 from roah_rsbb.wording.times import use_zone
+from roah_rsbb.wording.whole_box import REPLAY_NO_COMMANDS
 
 if TYPE_CHECKING:  # it needs ROS
     from roah_rsbb.rqt.node import ControllerStatus, WindowNode

@@ -19,8 +19,7 @@ from roah_rsbb.model.messages import DevicesState
 from roah_rsbb.protocol import PERCENTAGES
 from roah_rsbb.ros import connections, messages
 from roah_rsbb.rqt.calls import CallFailed, Calls, Done, missing
-from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.language import tr_said
+from roah_rsbb.wording.language import tr, tr_later, tr_said
 
 # Parameters in the client's namespace (launch/roah_rsbb_client.launch).
 TIMES_IN_UTC, ENDS_RSBB = "times_in_utc", "exit_ends_rsbb"

@@ -27,8 +27,7 @@ from roah_rsbb.rqt.qt import (
     QToolButton,
     QWidget,
 )
-from roah_rsbb.wording.language import tr
-from roah_rsbb.wording.language import tr_reason, tr_said
+from roah_rsbb.wording.language import tr, tr_reason, tr_said
 
 # Actions that are laid out by hand: in Benchmark Control, the strip with STOP, Manual Operation, OMF Switches, and the
 # schedule of the box's page.

@@ -9,11 +9,11 @@ from functools import partial
 from typing import Any, Callable, Dict, FrozenSet, Hashable, Optional, Tuple
 from urllib.parse import urlencode
 
+from roah_rsbb.document.calls import PAIR, PAIRED
 from roah_rsbb.ground.linux import open_in_browser
 from roah_rsbb.model.actions import ACTIONS, Action
 from roah_rsbb.model.fields import Team, entered
 from roah_rsbb.model.results import RunLine
-from roah_rsbb.document.calls import PAIR, PAIRED
 from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, ZoneSeen
 from roah_rsbb.rqt import basic, keys
 from roah_rsbb.rqt.calls import CallOutcome

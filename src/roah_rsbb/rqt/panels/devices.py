@@ -24,8 +24,8 @@ from roah_rsbb.rqt.qt import (
     QVBoxLayout,
     QWidget,
 )
-from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording import whole_box
+from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.whole_box import PERCENT, UNCONFIRMED
 
 PAGE = 10

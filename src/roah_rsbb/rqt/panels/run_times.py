@@ -6,8 +6,8 @@ from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, RUNNING, ZoneSeen
 from roah_rsbb.rqt import basic
 from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, Qt, QVBoxLayout, QWidget
 from roah_rsbb.wording import sheets
-from roah_rsbb.wording.times import Clock, Figure, Hurry
 from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.times import Clock, Figure, Hurry
 
 
 class PhaseLook(NamedTuple):

@@ -22,11 +22,18 @@ from roah_rsbb.rqt.qt import (
     QVBoxLayout,
     QWidget,
 )
-from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.language import tr_said
 from roah_rsbb.wording import whole_box
-from roah_rsbb.wording.whole_box import ROBOT_COLUMNS, LinkQuality, column_explanations, robot_rows
-from roah_rsbb.wording.whole_box import BOX_FACTS, TABLET_FACTS, box_facts, tablet_facts
+from roah_rsbb.wording.language import tr, tr_later, tr_said
+from roah_rsbb.wording.whole_box import (
+    BOX_FACTS,
+    ROBOT_COLUMNS,
+    TABLET_FACTS,
+    LinkQuality,
+    box_facts,
+    column_explanations,
+    robot_rows,
+    tablet_facts,
+)
 
 RELOAD = "reload"
 
