@@ -6,8 +6,8 @@ from rqt_gui_py.plugin import Plugin
 
 from roah_rsbb.rqt.client import RefereeClient
 from roah_rsbb.rqt.node import WindowNode
+from roah_rsbb.rqt.panels import PANELS, load, plugin_name
 from roah_rsbb.rqt.panels.panel import Panel
-from roah_rsbb.rqt.programs import PANELS, load, plugin_name
 from roah_rsbb.rqt.qt import QMainWindow, QTimer
 
 

@@ -10,8 +10,8 @@ from typing import Any, Dict
 from roah_rsbb.rqt import basic
 from roah_rsbb.rqt.client import RefereeClient
 from roah_rsbb.rqt.node import WindowNode
+from roah_rsbb.rqt.panels import PANELS, load
 from roah_rsbb.rqt.panels.panel import Panel
-from roah_rsbb.rqt.programs import PANELS, load
 from roah_rsbb.rqt.qt import QApplication, QDockWidget, QMainWindow, QSettings, Qt
 from roah_rsbb.wording.language import tr
 

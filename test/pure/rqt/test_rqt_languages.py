@@ -15,7 +15,7 @@ LANGUAGES = sorted(path.stem for path in catalogues.FOLDER.glob("*.ts"))
 
 # What programs print or log, and errors of files. No window shows it.
 NOT_IN_WINDOWS = {
-    "rqt/programs.py", "rqt/qt.py", "rqt/language.py",
+    "rqt/panels/__init__.py", "rqt/programs.py", "rqt/qt.py", "rqt/language.py",
     "wording/language.py", "wording/texts.py",
 }
 # Literals that look like texts: names of classes, keys and time zones, and what rospy and the core say.

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from roah_rsbb.rqt.programs import PANELS, plugin_name
+from roah_rsbb.rqt.panels import PANELS, plugin_name
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch"))

@@ -22,7 +22,7 @@ from support.waiting import LIMIT_S
 
 from roah_rsbb.rqt.client import RefereeClient
 from roah_rsbb.rqt.node import WindowNode
-from roah_rsbb.rqt.programs import PANELS
+from roah_rsbb.rqt.panels import PANELS
 
 ROS_TESTS = pathlib.Path(__file__).resolve().parents[1]
 PURE_TESTS = ROS_TESTS.parent / "pure"

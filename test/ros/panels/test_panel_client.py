@@ -41,12 +41,12 @@ from roah_rsbb.rqt.basic import ALARM, OLD
 from roah_rsbb.rqt.client import RefereeClient
 from roah_rsbb.rqt.keys import FocusRing
 from roah_rsbb.rqt.node import WindowNode
+from roah_rsbb.rqt.panels import PANELS, load
 from roah_rsbb.rqt.panels.overview import OverviewPanel
 from roah_rsbb.rqt.panels.score_sheet import ARRANGEMENTS, SheetView
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
 from roah_rsbb.rqt.panels.texts import LogDisplayPanel, OnlineDataPanel
 from roah_rsbb.rqt.panels.whole_box import ActiveRobotsPanel, CoreStatusPanel, ReloadDialog, TabletStatusPanel
-from roah_rsbb.rqt.programs import PANELS, load
 from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, QObject, QPushButton, QSettings, QSpinBox, QWidget
 from roah_rsbb.rqt.windows import Window
 from roah_rsbb.wording.whole_box import ROBOT_COLUMNS
