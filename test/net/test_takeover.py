@@ -27,7 +27,7 @@ from two_boxes import (
 
 from box import WITH_ROS, WITHOUT_ROS
 from roah_rsbb.journal.log_dir import JOURNAL
-from roah_rsbb.standby.program.network import NoAddress, give_back_address, take_address
+from roah_rsbb.standby.program.ears import NoAddress, give_back_address, take_address
 
 FOLDER = pathlib.Path(__file__).resolve().parents[2] / "build" / "net" / "pair"
 ALPHA = zone_of("Alpha")

@@ -28,8 +28,7 @@ from roah_rsbb.model.results import UnsavedParts
 from roah_rsbb.radio.radio import CoreRadio, beacon_size
 from roah_rsbb.radio.short_way import Turns
 from roah_rsbb.rulebook.benchmarks import Config, ZonePlan
-from roah_rsbb.standby.clocks import ahead_of
-from roah_rsbb.standby.stops import read_stops
+from roah_rsbb.standby.beside_copy import ahead_of, read_stops
 
 
 class Machine(NamedTuple):

@@ -19,9 +19,8 @@ from roah_rsbb.comm.peer import Address, Peer
 from roah_rsbb.ground.linux import running_s
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.log_dir import begin_thread
-from roah_rsbb.standby.pair import AWAY_S, SAY_S, Claim, Side, State, Word
-from roah_rsbb.standby.partners import BOX_FILE, FOLDER, PAIRED, Partner, partners_of
-from roah_rsbb.standby.words import seal, unseal
+from roah_rsbb.standby.pair import AWAY_S, SAY_S, Claim, Side, State, Word, seal, unseal
+from roah_rsbb.standby.pairing import BOX_FILE, FOLDER, PAIRED, Partner, partners_of
 
 # A standby may be paired at any time.
 LOOK_S = 1.0

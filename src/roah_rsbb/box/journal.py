@@ -25,7 +25,7 @@ from roah_rsbb.model.saved import Anchor, BadState, freeze, thaw
 from roah_rsbb.model.zone import RunClock
 from roah_rsbb.rulebook.config import Config
 from roah_rsbb.scoring.unsaved import Unsaved
-from roah_rsbb.standby.clocks import NOT_MEASURED, Ahead
+from roah_rsbb.standby.beside_copy import NOT_MEASURED, Ahead
 
 BOX_STATE = "box"
 ZONE_STATE = "zone:"

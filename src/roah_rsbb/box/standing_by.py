@@ -6,7 +6,7 @@ import time
 from typing import Any, Callable, Optional
 
 from roah_rsbb.journal.log_dir import CannotWriteJournal, JournalInUse, Lock, lock
-from roah_rsbb.standby.partners import is_standby
+from roah_rsbb.standby.pairing import is_standby
 
 WAITING = "This computer is a standby: waiting for a takeover"
 LOOK_S = 0.02

@@ -4,15 +4,105 @@ The core never waits for the copy: another process reads the journal's files. A 
 and the time since the last complete copy still rises.
 """
 
+import logging
+import math
 import os
 import threading
 import time
 from types import MappingProxyType
-from typing import Callable, Mapping, NamedTuple, Optional
+from typing import Callable, Dict, Iterator, Mapping, NamedTuple, Optional
 
-from roah_rsbb.copies.copy import FILES, CannotReadJournal, CannotWriteCopy, ChangedFiles, Copy
-from roah_rsbb.copies.segments import JournalSegments
+from roah_rsbb.copies.folder import (
+    FILES,
+    PART_BYTES,
+    CannotReadJournal,
+    CannotWriteCopy,
+    ChangedFiles,
+    Copy,
+    Held,
+    Part,
+    crc_of,
+    identity_in,
+)
+from roah_rsbb.journal import log
 from roah_rsbb.journal import log_dir as log_dirs
+
+# -- reading the journal ------------------------------------------------------------------------------
+
+# Theory of operation. A segment is only appended to, and none is written after the next one has its name. So a copy is
+# an earlier state of the journal if each of its segments is the beginning of the segment with the same name, which
+# contains a random number. The bytes of older segments are copied as they are, with their damage; those of the newest
+# one up to the end of its last intact record: what follows is being written, or is written again when the disk has
+# space.
+
+
+class JournalSegments:
+    """The journal in a folder, which another process may write."""
+
+    def __init__(self, folder: str) -> None:
+        self._folder = folder
+        self._newest = ""  # a segment,
+        self._end = 0  # and where its last intact record ends
+        self.identity = ""  # of the journal; empty: unknown
+
+    def sizes(self) -> Dict[str, int]:
+        """Return how many bytes of each segment can be copied, the oldest first. Raises `CannotReadJournal`."""
+        try:
+            names = log.names_in(self._folder)
+            sizes = {str(name): os.stat(self._path(str(name))).st_size for name in names}
+            if names:
+                sizes[str(names[-1])] = self._end_of_newest(names[-1], sizes[str(names[-1])])
+        except OSError as error:
+            raise self._cannot_read(error) from None
+        if not sizes:
+            raise CannotReadJournal(f"there is no journal {self._folder} yet")
+        return sizes
+
+    def has(self, held: Mapping[str, Held], sizes: Mapping[str, int]) -> bool:
+        """Whether a copy with these segments is an earlier state of the journal. Raises `CannotReadJournal`."""
+        try:
+            return all(size <= sizes.get(name, -1) and crc_of(self._path(name), size) == crc
+                       for name, (size, crc) in held.items())
+        except OSError as error:
+            raise self._cannot_read(error) from None
+
+    def parts(self, segment: str, begin: int, end: int) -> Iterator[Part]:
+        """Return the parts of a segment between these bytes. Raises `CannotReadJournal`."""
+        try:
+            with open(self._path(segment), "rb") as file:
+                file.seek(begin)
+                while begin < end:
+                    content = file.read(min(PART_BYTES, end - begin))
+                    if not content:
+                        raise CannotReadJournal(f"{self._path(segment)} is shorter than before")
+                    yield Part(segment, begin, content, begin + len(content) == end)
+                    begin += len(content)
+        except OSError as error:
+            raise self._cannot_read(error) from None
+
+    # -- steps --------------------------------------------------------------------------------------
+
+    def _path(self, segment: str) -> str:
+        return os.path.join(self._folder, segment)
+
+    def _cannot_read(self, error: OSError) -> CannotReadJournal:
+        return CannotReadJournal(f"{self._folder}: {error.strerror}")
+
+    def _end_of_newest(self, name: log.Name, size: int) -> int:
+        if str(name) != self._newest or size < self._end:
+            self._newest, self._end = str(name), log.HEAD_BYTES
+            with open(self._path(str(name)), "rb") as file:
+                self.identity = identity_in(file.read(log.HEAD_BYTES))
+        if size > self._end:
+            with open(self._path(str(name)), "rb") as file:
+                file.seek(self._end)
+                content = file.read(size - self._end)
+            self._end += max((frame.end for frame in log.frames(content, name.salt, 0)), default=0)
+        return self._end
+
+
+# -- following it -------------------------------------------------------------------------------------
+
 
 # Time between two looks at the journal.
 PERIOD_S = 0.05
@@ -141,3 +231,46 @@ class Follower:
 
     def _missing_bytes(self) -> int:
         return sum(max(0, size - self._sizes.get(name, 0)) for name, size in self._present.items())
+
+# -- what is reported ---------------------------------------------------------------------------------
+
+
+_log = logging.getLogger(__name__)
+
+
+class CopyNews(NamedTuple):
+    """The state of a copy."""
+
+    place: str
+    journal: str  # identity of the journal that it copies
+    behind_s: float  # since it was complete; inf: it never was
+    missing_bytes: int
+    trouble: str  # why it is not complete, with the remedy; empty: nothing prevents it
+    notice: str  # what referees must know besides
+
+
+class ReportedCopy:
+    """A copy, and what was logged about it."""
+
+    def __init__(self, place: str, follower: Follower, notice: Callable[[], str] = lambda: "") -> None:
+        """Start to copy. `notice` returns what referees must know besides."""
+        self.place = place
+        self.follower = follower
+        self._notice = notice
+        self._trouble = self._aside = ""
+        follower.start()
+
+    def news(self) -> CopyNews:
+        """Return the present state, and log what is new in it."""
+        progress = self.follower.progress
+        if progress.trouble != self._trouble:
+            if progress.trouble:
+                _log.warning("%s: %s", self.place, progress.trouble)
+            self._trouble = progress.trouble
+        if progress.aside and progress.aside != self._aside:
+            _log.warning("%s: the earlier copy is not of this journal, or is damaged. It is kept as %s",
+                         self.place, progress.aside)
+            self._aside = progress.aside
+        behind_s = math.inf if progress.complete_mono is None else time.monotonic() - progress.complete_mono
+        return CopyNews(self.place, progress.journal, behind_s, progress.missing_bytes, progress.trouble,
+                        self._notice())

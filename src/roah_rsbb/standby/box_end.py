@@ -10,20 +10,37 @@ import socket
 import ssl
 import threading
 import time
-from typing import Callable, List, Optional
+from typing import Callable, List, Optional, Tuple
 
-from roah_rsbb.copies.copy import CannotWriteCopy
+from roah_rsbb.copies.folder import CannotWriteCopy
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.model.reason import say
-from roah_rsbb.standby import codes
-from roah_rsbb.standby.channel import TIMEOUT_S, Channel, Lost, box_context, wake
-from roah_rsbb.standby.messages import MAX_BYTES_OF_STRANGERS, BadMessage, Message
-from roah_rsbb.standby.pair import Side
-from roah_rsbb.standby.pairing import KEY_BYTES, NONCE_BYTES, Exchange, hashed, is_same
-from roah_rsbb.standby.partners import FOLDER, PairedStandby, partners_of, read_standby, write_standby
+from roah_rsbb.standby import pairing
+from roah_rsbb.standby.channel import (
+    MAX_BYTES_OF_STRANGERS,
+    TIMEOUT_S,
+    BadMessage,
+    Channel,
+    Lost,
+    Message,
+    box_context,
+    connect,
+    wake,
+)
+from roah_rsbb.standby.pair import Side, Word, hashed, is_same, rejoin_proof, seal, unseal
+from roah_rsbb.standby.pairing import (
+    FOLDER,
+    KEY_BYTES,
+    NONCE_BYTES,
+    Exchange,
+    PairedStandby,
+    Partner,
+    partners_of,
+    read_standby,
+    write_standby,
+)
 from roah_rsbb.standby.remote import CoreState, RemoteCopy
-from roah_rsbb.standby.words import rejoin_proof
 
 # Connections of strangers that are served at a time.
 MAX_STRANGERS = 8
@@ -60,7 +77,7 @@ class BoxEnd:
         self._context, self._fingerprint = box_context(self.folder)
         self._on_event = on_event
         self._utc = utc
-        self._codes = codes.PairingCode(log_dir, utc)
+        self._codes = pairing.PairingCode(log_dir, utc)
         self._lock = threading.Lock()  # of codes, the pairing and the channel
         self._channel: Optional[Channel] = None
         self._strangers = _Strangers()
@@ -114,7 +131,7 @@ class BoxEnd:
         with self._lock:
             channel = self._channel
         if not self.is_paired:
-            raise CannotWriteCopy(_NOT_PAIRED(command=codes.command(self._log_dir)))
+            raise CannotWriteCopy(_NOT_PAIRED(command=pairing.command(self._log_dir)))
         if channel is None:
             raise CannotWriteCopy(_NONE_YET if self._standby.is_awaited else _NOT_CONNECTED)
         return RemoteCopy(lambda message: self._ask(channel, message), core=self._core, on_taken=self._on_taken)
@@ -295,3 +312,69 @@ class _Strangers:
 
 def _plain(name: str) -> str:
     return "".join(sign for sign in name if sign.isprintable())[:MAX_NAME].strip()
+
+# -- words over TCP -----------------------------------------------------------------------------------
+
+# It runs in the process that makes the copy. It passes what it hears on to the core of this computer, which decides.
+
+
+PERIOD_S = 1.0
+
+
+class Herald:
+    """Says the box's word to the other ends of its pairs, and answers theirs."""
+
+    def __init__(self, log_dir: str, core: Tuple[str, int], is_alive: Callable[[], bool] = lambda: True) -> None:
+        """`core`: address and UDP port at which the core of this computer hears words. `is_alive`: whether it answers:
+        one that hangs is not the box, whatever the journal says."""
+        self._log_dir = log_dir
+        self._core, self._is_alive = core, is_alive
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._work, name="herald", daemon=True)
+
+    def start(self) -> None:
+        """Start to say the box's word, in a thread."""
+        self._thread.start()
+
+    def end(self) -> None:
+        """End the thread soon."""
+        self._ended.set()
+
+    def answer(self, datagram: bytes) -> bytes:
+        """Take a word, in any thread; returns the answer; empty: no end of a pair said it."""
+        partners = partners_of(self._log_dir)
+        heard = unseal({name: partner.secret for name, partner in partners.items()}, datagram)
+        if heard is None:
+            return b""
+        self._pass_on(datagram)
+        return self._word(partners[heard[0]])
+
+    def say(self) -> None:
+        """Say the box's word to all partners, and take their answers."""
+        for partner in partners_of(self._log_dir).values():
+            if partner.host:
+                with contextlib.suppress(Lost, BadMessage):
+                    self._say_to(partner)
+
+    def _work(self) -> None:
+        while not self._ended.wait(PERIOD_S):
+            self.say()
+
+    def _say_to(self, partner: Partner) -> None:
+        channel, _ = connect(partner.host, partner.port, PERIOD_S)
+        try:
+            channel.send({"do": "word", "word": self._word(partner).decode("ascii")})
+            answer = str(channel.receive(MAX_BYTES_OF_STRANGERS).get("word"))
+            if answer:
+                self._pass_on(answer.encode("ascii", "replace"))
+        finally:
+            channel.close()
+
+    def _word(self, partner: Partner) -> bytes:
+        standing = epochs.standing_in(os.path.join(self._log_dir, JOURNAL))
+        return seal(partner.secret, Word(partner.own_side, standing.epoch,
+                                         claims=not standing.is_superseded and self._is_alive(), cut=standing.cut))
+
+    def _pass_on(self, datagram: bytes) -> None:
+        with contextlib.suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            sender.sendto(datagram, self._core)

@@ -15,7 +15,10 @@ So does a box that was not running for a while (`AWAY_S`), because it was stoppe
 """
 
 import enum
-from typing import Dict, List, Mapping, NamedTuple, Optional, Set
+import hashlib
+import hmac
+import json
+from typing import Dict, List, Mapping, NamedTuple, Optional, Set, Tuple
 
 # Period of a box's words. Three can be lost in the second in which two boxes may be active.
 SAY_S = 0.25
@@ -134,3 +137,59 @@ class BoxSilence:
     def lasts(self, now: float, seconds: float) -> bool:
         """Whether the box has been silent for that long, after it was heard at least once."""
         return self._heard is not None and now - self._heard >= seconds
+
+# -- words as datagrams, which only the two ends can make ---------------------------------------------
+
+
+MAX_BYTES = 1024
+_MAX_NUMBER = 1 << 53
+
+
+def pair_name(secret: str) -> str:
+    """Return the name of the pair with this secret. It may be known to everyone."""
+    return _mac(secret, b"name")[:16]
+
+
+def seal(secret: str, word: Word) -> bytes:
+    """Return a word as a datagram."""
+    body = json.dumps([word.side.value, word.epoch, word.claims, word.asks, word.cut]).encode("ascii")
+    return b" ".join((pair_name(secret).encode("ascii"), _mac(secret, b"word" + body).encode("ascii"), body))
+
+
+def unseal(secrets: Mapping[str, str], datagram: bytes) -> Optional[Tuple[str, Word]]:
+    """Return the name of the pair and the word; None if none of the pairs said it. `secrets`: by the pairs' names."""
+    try:
+        name, mac, body = datagram[:MAX_BYTES].split(b" ", 2)
+        secret = secrets[name.decode("ascii")]
+        if not hmac.compare_digest(_mac(secret, b"word" + body).encode("ascii"), mac):
+            return None
+        side, epoch, claims, asks, cut = json.loads(body.decode("ascii"))
+        if not (0 < int(epoch) < _MAX_NUMBER and 0 <= int(cut) < _MAX_NUMBER):
+            return None
+        return name.decode("ascii"), Word(Side(side), int(epoch), bool(claims), bool(asks), int(cut))
+    except (ValueError, KeyError, TypeError):
+        return None
+
+
+def is_same(first: str, second: str) -> bool:
+    """Compare secrets, in a time that does not depend on them."""
+    return hmac.compare_digest(first.encode("utf-8", "replace"), second.encode("utf-8", "replace"))
+
+
+def hashed(key: str) -> str:
+    """Return what the box keeps of a key."""
+    return hashlib.sha256(key.encode("utf-8", "replace")).hexdigest()
+
+
+def rejoin_key(secret: str) -> str:
+    """Return the key with which the box before a takeover is the standby of its successor."""
+    return _mac(secret, b"key of the next pair")
+
+
+def rejoin_proof(secret: str, nonce: bytes, fingerprint: bytes) -> str:
+    """Return the proof that a successor has this certificate."""
+    return _mac(secret, b"certificate" + nonce + fingerprint)
+
+
+def _mac(secret: str, data: bytes) -> str:
+    return hmac.new(secret.encode("ascii", "replace"), data, hashlib.sha256).hexdigest()

@@ -4,15 +4,13 @@ import time
 from types import MappingProxyType
 from typing import Callable, Mapping, NamedTuple, Optional
 
-from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent, Part
-from roah_rsbb.copies.folder import CopyFolder
+from roah_rsbb.copies.folder import CannotWriteCopy, Copy, CopyFolder, FileContent, Part
 from roah_rsbb.ground.linux import boot_id
 from roah_rsbb.journal import log
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import decode, encode, say
-from roah_rsbb.standby.clocks import ClockDifference
-from roah_rsbb.standby.messages import BadMessage, Message, files_of, held_of, part_of
-from roah_rsbb.standby.stops import add_stops, stops_in
+from roah_rsbb.standby.beside_copy import ClockDifference, add_stops, stops_in
+from roah_rsbb.standby.channel import BadMessage, Message, files_of, held_of, part_of
 
 OPEN, WRITE, WRITE_FILES, SET_ASIDE, COMPLETE, BEAT = (
     "open", "write", "write_files", "set_aside", "complete", "beat")
@@ -34,7 +32,7 @@ class CoreState(NamedTuple):
 
     is_alive: bool = True
     hand_over: bool = False  # it does not send anything any more, and the copy is complete
-    stops: Mapping[str, str] = MappingProxyType({})  # that it sent, and may not have recorded (`standby/stops.py`)
+    stops: Mapping[str, str] = MappingProxyType({})  # it may not have recorded them: `standby/beside_copy.py`
 
 
 class RemoteCopy(Copy):

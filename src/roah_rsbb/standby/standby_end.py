@@ -8,13 +8,19 @@ from typing import Callable, Optional, Tuple
 
 from roah_rsbb.ground import durable
 from roah_rsbb.journal.contents import FIRST
-from roah_rsbb.standby.channel import ANY_HOST, Channel, Lost, connect
-from roah_rsbb.standby.messages import MAX_BYTES_OF_STRANGERS, BadMessage
-from roah_rsbb.standby.pair import Side, Word
-from roah_rsbb.standby.pairing import BOX, NONCE_BYTES, STANDBY, Exchange, hashed, is_same
-from roah_rsbb.standby.partners import PairedBox, PairedStandby, read_standby, write_box
+from roah_rsbb.standby.channel import ANY_HOST, MAX_BYTES_OF_STRANGERS, BadMessage, Channel, Lost, connect
+from roah_rsbb.standby.pair import Side, Word, hashed, is_same, pair_name, rejoin_key, rejoin_proof, seal, unseal
+from roah_rsbb.standby.pairing import (
+    BOX,
+    NONCE_BYTES,
+    STANDBY,
+    Exchange,
+    PairedBox,
+    PairedStandby,
+    read_standby,
+    write_box,
+)
 from roah_rsbb.standby.remote import OPEN, TAKES_OVER, CoreState, Receiver
-from roah_rsbb.standby.words import pair_name, rejoin_key, rejoin_proof, seal, unseal
 
 RETRY_S = 1.0
 

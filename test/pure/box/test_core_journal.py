@@ -22,7 +22,7 @@ from roah_rsbb.model.modules import RequestKind, ScoreValue
 from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.standby.clocks import Ahead
+from roah_rsbb.standby.beside_copy import Ahead
 
 WAYPOINT = {"goal": "[1.0, 2.0, 0.5]", "pose": (1.0, 2.0, 0.5)}
 

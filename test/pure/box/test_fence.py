@@ -11,9 +11,8 @@ import pytest
 from roah_rsbb.box.fence import Fence
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.standby import pair
-from roah_rsbb.standby.pair import AWAY_S, Side, Word
-from roah_rsbb.standby.partners import PairedStandby, write_standby
-from roah_rsbb.standby.words import pair_name, seal, unseal
+from roah_rsbb.standby.pair import AWAY_S, Side, Word, pair_name, seal, unseal
+from roah_rsbb.standby.pairing import PairedStandby, write_standby
 
 OWN, STANDBY = "127.0.0.1", "127.0.0.3"
 SECRET = "00"

@@ -25,7 +25,7 @@ from roah_rsbb.model.reason import Refused, RunName, decode
 from roah_rsbb.model.records import By, EndReason, Phase, RunRecord, StopRecord
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import Durable
-from roah_rsbb.standby.stops import LONGEST, add_stops, read_stops, stops_in
+from roah_rsbb.standby.beside_copy import LONGEST, add_stops, read_stops, stops_in
 from simulation.air import Air
 from simulation.box import Box
 from simulation.disk import Storage

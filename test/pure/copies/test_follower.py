@@ -11,12 +11,11 @@ import pytest
 from helpers.competition import run_record
 from helpers.copied import contents, numbers
 from helpers.journals import Writer
-from roah_rsbb.copies import copy as copies
+from roah_rsbb.copies import folder as copies
 from roah_rsbb.copies import folder as folders
+from roah_rsbb.copies import follower
 from roah_rsbb.copies import follower as module
-from roah_rsbb.copies import segments
-from roah_rsbb.copies.copy import CannotWriteCopy
-from roah_rsbb.copies.folder import NEXT, CopyFolder, Stick, drop_drafts
+from roah_rsbb.copies.folder import NEXT, CannotWriteCopy, CopyFolder, Stick, drop_drafts
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.journal import log
 from roah_rsbb.journal.log_dir import JOURNAL, Resume
@@ -46,7 +45,7 @@ def inode(path):
 
 @pytest.fixture
 def small_parts(monkeypatch):
-    monkeypatch.setattr(segments, "PART_BYTES", PART_BYTES)
+    monkeypatch.setattr(follower, "PART_BYTES", PART_BYTES)
 
 
 @pytest.fixture

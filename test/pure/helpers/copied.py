@@ -4,8 +4,7 @@ import pathlib
 
 from helpers.journals import Writer
 from roah_rsbb.copies.folder import Stick
-from roah_rsbb.copies.follower import Follower
-from roah_rsbb.copies.segments import JournalSegments
+from roah_rsbb.copies.follower import Follower, JournalSegments
 from roah_rsbb.journal import log
 from roah_rsbb.journal.log_dir import JOURNAL
 

@@ -215,11 +215,11 @@ class Copy:
     def live(folder: str, life: int, recorded: Recorded) -> None:
         """Copy a journal, part by part."""
         from roah_rsbb.copies import folder as folders
-        from roah_rsbb.copies import segments
+        from roah_rsbb.copies import follower
         from roah_rsbb.copies.follower import Follower
         from roah_rsbb.journal import log, store
 
-        log.FULL_BYTES, segments.PART_BYTES, folders.CERTAIN_BYTES = 8000, 3000, 5000
+        log.FULL_BYTES, follower.PART_BYTES, folders.CERTAIN_BYTES = 8000, 3000, 5000
         store.WRITE_S = 60.0  # nobody copies what a busy computer has not written yet
         source = f"{folder}{Copy.SOURCE}"
         journal, _ = Journal.opened(source)

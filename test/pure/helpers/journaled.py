@@ -10,7 +10,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.log_dir import CoreSession, Resume
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.clock import Now
-from roah_rsbb.standby.clocks import NOT_MEASURED
+from roah_rsbb.standby.beside_copy import NOT_MEASURED
 
 CATERING = event("HCFGAC", timeout=300.0)
 NAVIGATION = event("HNF", team="Beta", timeout=60.0, total_timeout=300.0)

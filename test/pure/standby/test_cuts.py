@@ -17,7 +17,7 @@ from helpers.examples import ALL
 from helpers.journaled import NO_LISTENING, JournaledDriver
 from roah_rsbb.box import journal as core_journal
 from roah_rsbb.box.standby_answers import StandbyAnswers
-from roah_rsbb.copies.copy import CannotWriteCopy
+from roah_rsbb.copies.folder import CannotWriteCopy
 from roah_rsbb.copies.follower import PERIOD_S, RETRY_S, Follower
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
@@ -30,8 +30,7 @@ from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.scoring import ScoreKind
 from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.scoring.sheet import Mark
-from roah_rsbb.standby.channel import TIMEOUT_S
-from roah_rsbb.standby.messages import decode, encode
+from roah_rsbb.standby.channel import TIMEOUT_S, decode, encode
 from roah_rsbb.standby.pair import Claim, Side, State
 from roah_rsbb.standby.remote import Receiver, RemoteCopy
 

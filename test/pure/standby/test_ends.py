@@ -18,9 +18,8 @@ import roah_rsbb
 from helpers.copied import contents
 from helpers.journals import Writer
 from helpers.small_disk import CannotMount, SmallDisk
-from roah_rsbb.copies.copy import CannotReadJournal
-from roah_rsbb.copies.follower import Follower
-from roah_rsbb.copies.segments import JournalSegments
+from roah_rsbb.copies.folder import CannotReadJournal
+from roah_rsbb.copies.follower import Follower, JournalSegments
 from roah_rsbb.ground import durable
 from roah_rsbb.journal import log
 from roah_rsbb.journal.contents import superseded_value
@@ -29,16 +28,22 @@ from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.journal.records import Kind
 from roah_rsbb.standby import channel as channels
 from roah_rsbb.standby import standby_end
-from roah_rsbb.standby.box_end import MAX_STRANGERS, REPLACED_S, BoxEnd
-from roah_rsbb.standby.codes import MAX_GUESSES, VALID_S, command, make_code
-from roah_rsbb.standby.herald import Herald
-from roah_rsbb.standby.messages import LENGTH, MAX_BYTES_OF_STRANGERS, decode
-from roah_rsbb.standby.pair import Side
-from roah_rsbb.standby.pairing import hashed
-from roah_rsbb.standby.partners import PairedStandby, partners_of, read_box, read_standby, write_standby
+from roah_rsbb.standby.box_end import MAX_STRANGERS, REPLACED_S, BoxEnd, Herald
+from roah_rsbb.standby.channel import LENGTH, MAX_BYTES_OF_STRANGERS, decode
+from roah_rsbb.standby.pair import Side, hashed, rejoin_key, unseal
+from roah_rsbb.standby.pairing import (
+    MAX_GUESSES,
+    VALID_S,
+    PairedStandby,
+    command,
+    make_code,
+    partners_of,
+    read_box,
+    read_standby,
+    write_standby,
+)
 from roah_rsbb.standby.remote import CoreState
 from roah_rsbb.standby.standby_end import CannotPair, StandbyEnd, is_alive, pair, rejoin
-from roah_rsbb.standby.words import rejoin_key, unseal
 
 HOST = "127.0.0.1"
 # A standby in a process of its own, until a line comes.
@@ -263,7 +268,7 @@ def test_a_code_that_cannot_be_removed_is_used_once(ends, monkeypatch):
     """Such as on a disk that is read-only."""
     code = ends.code()
     with monkeypatch.context() as patch:
-        patch.setattr("roah_rsbb.standby.codes.os.unlink", lambda path: os.stat(f"{path}/"))
+        patch.setattr("roah_rsbb.standby.pairing.os.unlink", lambda path: os.stat(f"{path}/"))
         ends.pair(code)
     assert "code.json" in os.listdir(ends.box.folder)
     with pytest.raises(CannotPair):
@@ -563,7 +568,7 @@ def test_somebody_between_both_ends(ends, monkeypatch):
 
 
 def test_a_box_that_does_not_know_the_code(ends, monkeypatch):
-    monkeypatch.setattr("roah_rsbb.standby.codes.PairingCode.take", lambda *_: "0" * 64)
+    monkeypatch.setattr("roah_rsbb.standby.pairing.PairingCode.take", lambda *_: "0" * 64)
     with pytest.raises(CannotPair, match="is not the box that shows this code"):
         ends.pair()
     assert read_box(str(ends.far)) is None

@@ -5,8 +5,8 @@ import zipfile
 
 import pytest
 
-from roah_rsbb.standby import modules_folder
-from roah_rsbb.standby.modules_folder import PackedModules, TooLarge, unpack
+from roah_rsbb.standby import beside_copy
+from roah_rsbb.standby.beside_copy import PackedModules, TooLarge, unpack
 
 
 @pytest.fixture
@@ -49,7 +49,7 @@ def test_nothing_is_written_while_nothing_changes(folder, tmp_path):
 
 
 def test_a_folder_that_is_another_one_by_mistake_is_not_copied(folder, tmp_path, monkeypatch):
-    monkeypatch.setattr(modules_folder, "MAX_BYTES", 10)
+    monkeypatch.setattr(beside_copy, "MAX_BYTES", 10)
     with pytest.raises(TooLarge, match="leave only their rules and parameters there"):
         PackedModules(str(folder), str(tmp_path / "zip")).look()
     assert not (tmp_path / "zip").exists()

@@ -2,8 +2,7 @@
 
 import pytest
 
-from roah_rsbb.standby.pair import Side, Word
-from roah_rsbb.standby.words import pair_name, seal, unseal
+from roah_rsbb.standby.pair import Side, Word, pair_name, seal, unseal
 
 SECRET, OTHER = "5" * 64, "6" * 64
 SECRETS = {pair_name(secret): secret for secret in (SECRET, OTHER)}

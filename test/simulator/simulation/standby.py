@@ -12,12 +12,11 @@ import stat
 from roah_rsbb.copies.folder import drop_drafts
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.log_dir import JOURNAL
-from roah_rsbb.standby import clocks
-from roah_rsbb.standby.messages import decode, encode
-from roah_rsbb.standby.pairing import hashed
-from roah_rsbb.standby.partners import PairedBox, PairedStandby, write_box, write_standby
+from roah_rsbb.standby import beside_copy
+from roah_rsbb.standby.channel import decode, encode
+from roah_rsbb.standby.pair import hashed, rejoin_key
+from roah_rsbb.standby.pairing import PairedBox, PairedStandby, write_box, write_standby
 from roah_rsbb.standby.remote import Receiver
-from roah_rsbb.standby.words import rejoin_key
 
 from .box import Box
 from .disk import Storage
@@ -46,12 +45,12 @@ class StandbyDisk:
     @contextlib.contextmanager
     def watched(self):
         """Note what is synced in this block, which runs on the computer."""
-        before = os.fsync, clocks.boot_id
-        os.fsync, clocks.boot_id = self._sync, lambda: self._computer.boot_id
+        before = os.fsync, beside_copy.boot_id
+        os.fsync, beside_copy.boot_id = self._sync, lambda: self._computer.boot_id
         try:
             yield
         finally:
-            os.fsync, clocks.boot_id = before
+            os.fsync, beside_copy.boot_id = before
 
     def _sync(self, fd):
         found = os.fstat(fd)

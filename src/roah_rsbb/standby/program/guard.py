@@ -11,7 +11,7 @@ import time
 from typing import List, Optional, Sequence
 
 from roah_rsbb.ground.arguments import is_without_ros, without_ros
-from roah_rsbb.standby.partners import is_standby
+from roah_rsbb.standby.pairing import is_standby
 
 GUARD = "guard"  # of `roah-rsbb`; not for users
 LOOK_S = 0.5

@@ -32,12 +32,11 @@ from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.rulebook.config import ScheduleSettings, settings_in
 from roah_rsbb.rulebook.text_files import known
-from roah_rsbb.standby import codes
-from roah_rsbb.standby.channel import Lost
-from roah_rsbb.standby.messages import MODULES, NETWORK, PASSWORDS
-from roah_rsbb.standby.modules_folder import unpack
-from roah_rsbb.standby.pairing import hashed
-from roah_rsbb.standby.partners import (
+from roah_rsbb.standby import pairing
+from roah_rsbb.standby.beside_copy import unpack
+from roah_rsbb.standby.channel import MODULES, NETWORK, PASSWORDS, Lost
+from roah_rsbb.standby.pair import hashed, rejoin_key
+from roah_rsbb.standby.pairing import (
     FOLDER,
     PairedBox,
     PairedStandby,
@@ -48,13 +47,11 @@ from roah_rsbb.standby.partners import (
     write_box,
     write_standby,
 )
-from roah_rsbb.standby.program.ears import Automatic, Ears
-from roah_rsbb.standby.program.network import PING, NoAddress, give_back_address, is_own, take_address
+from roah_rsbb.standby.program.ears import PING, Automatic, Ears, NoAddress, give_back_address, is_own, take_address
 from roah_rsbb.standby.program.prepared import Prepared
 from roah_rsbb.standby.program.rehearsal import Failed, rehearse
 from roah_rsbb.standby.program.request import Reply, Requests, request
 from roah_rsbb.standby.standby_end import CannotPair, StandbyEnd, is_alive, is_open, pair, rejoin
-from roah_rsbb.standby.words import rejoin_key
 from roah_rsbb.tools.preflight_checks import Severity, check_other_box
 from roah_rsbb.wording import times
 
@@ -161,9 +158,9 @@ def _code(_options: argparse.Namespace, folder: str) -> int:
     if standing.is_superseded:
         raise Denied(f"this box is superseded: pair the standby with the box at {standing.by}")
     _check_owner(own)
-    code, standby = codes.make_code(folder), read_standby(folder)
+    code, standby = pairing.make_code(folder), read_standby(folder)
     port = _network_of_box(own).get("standby_port", str(DEFAULT_PORT))
-    print(f"The code is {code}, for one standby and for {codes.VALID_S / 60:.0f} minutes. Enter on the second "
+    print(f"The code is {code}, for one standby and for {pairing.VALID_S / 60:.0f} minutes. Enter on the second "
           f"computer, with the address of this one:\n{typed(PROGRAM)} follow ADDRESS --code"
           f"{'' if port == str(DEFAULT_PORT) else f' --port {port}'}", flush=True)
     if standby is not None:

@@ -8,7 +8,7 @@ import time
 import pytest
 
 from helpers.waiting import wait_until
-from roah_rsbb.standby.partners import PairedBox, PairedStandby, write_box, write_standby
+from roah_rsbb.standby.pairing import PairedBox, PairedStandby, write_box, write_standby
 
 KEEPER = """
 import subprocess, sys, time

@@ -14,7 +14,7 @@ from roah_rsbb.ground.linux import is_locked
 from roah_rsbb.ground.signs_of_life import LOOK_S, STARTING, Lifeline
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.log_dir import JOURNAL, JournalInUse, lock
-from roah_rsbb.standby.program.handover import HUNG_S, NOBODY_S, STARTING_S, Handover, Owner, is_due
+from roah_rsbb.standby.program.copying import HUNG_S, NOBODY_S, STARTING_S, Handover, Owner, is_due
 from roah_rsbb.standby.remote import CoreState
 
 STANDBY = "10.1.0.3"
@@ -112,7 +112,7 @@ class Box:
 
 @pytest.fixture
 def box(tmp_path, monkeypatch):
-    monkeypatch.setattr("roah_rsbb.standby.program.handover.ANSWER_S", 0.2)
+    monkeypatch.setattr("roah_rsbb.standby.program.copying.ANSWER_S", 0.2)
     made = Box(tmp_path / "log")
     yield made
     made.close()
@@ -211,8 +211,8 @@ def test_a_disk_that_gives_no_lock(box, monkeypatch):
         found = lock(log_dir)
         taken.append(found)
         return found
-    monkeypatch.setattr("roah_rsbb.standby.program.handover.LOCK_S", 0.2)
-    monkeypatch.setattr("roah_rsbb.standby.program.handover.log_dirs.lock", hang)
+    monkeypatch.setattr("roah_rsbb.standby.program.copying.LOCK_S", 0.2)
+    monkeypatch.setattr("roah_rsbb.standby.program.copying.log_dirs.lock", hang)
     box.has_lock = False
     box.start_core().kill()
     box.cores[-1].wait(60.0)

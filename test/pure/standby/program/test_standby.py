@@ -19,15 +19,13 @@ from roah_rsbb.ground import durable, linux
 from roah_rsbb.journal import epochs, log
 from roah_rsbb.journal.contents import BoxEpoch, open_journal
 from roah_rsbb.journal.log_dir import JOURNAL, InForce, Texts, write_in_force
-from roah_rsbb.standby import codes
-from roah_rsbb.standby.messages import MODULES
-from roah_rsbb.standby.modules_folder import PackedModules
-from roah_rsbb.standby.pairing import hashed
-from roah_rsbb.standby.partners import PairedBox, PairedStandby, is_standby, read_box, write_box, write_standby
+from roah_rsbb.standby import pairing
+from roah_rsbb.standby.beside_copy import PackedModules
+from roah_rsbb.standby.channel import MODULES
+from roah_rsbb.standby.pair import hashed, rejoin_key
+from roah_rsbb.standby.pairing import PairedBox, PairedStandby, is_standby, read_box, write_box, write_standby
 from roah_rsbb.standby.program import main as standby
-from roah_rsbb.standby.program.ears import Automatic
-from roah_rsbb.standby.program.network import NoAddress
-from roah_rsbb.standby.words import rejoin_key
+from roah_rsbb.standby.program.ears import Automatic, NoAddress
 from roah_rsbb.tools.preflight_checks import Remark, Severity
 
 
@@ -281,10 +279,10 @@ def shown_code(folder, capsys):
 
 
 def test_a_code_is_made_when_it_is_asked_for(box, capsys):
-    assert codes.PairingCode(str(box)).valid() == ""
+    assert pairing.PairingCode(str(box)).valid() == ""
     first, _ = shown_code(box, capsys)
     second, text = shown_code(box, capsys)
-    assert first != second and codes.PairingCode(str(box)).valid() == second
+    assert first != second and pairing.PairingCode(str(box)).valid() == second
     assert text.endswith("rosrun roah_rsbb standby follow ADDRESS --code\n")
     assert (box / "standby" / "code.json").stat().st_mode & 0o777 == 0o600
 

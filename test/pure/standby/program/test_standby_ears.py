@@ -8,13 +8,11 @@ import threading
 import pytest
 
 from helpers.small_box import free_ports
-from roah_rsbb.standby.pair import Side, Word
-from roah_rsbb.standby.pairing import hashed
-from roah_rsbb.standby.partners import PairedBox
+from roah_rsbb.standby.pair import Side, Word, hashed, pair_name, seal, unseal
+from roah_rsbb.standby.pairing import PairedBox
+from roah_rsbb.standby.program import ears
 from roah_rsbb.standby.program import ears as module
-from roah_rsbb.standby.program import network
 from roah_rsbb.standby.program.ears import Automatic, Ears
-from roah_rsbb.standby.words import pair_name, seal, unseal
 
 BOX, STANDBY, BROADCAST = "127.0.0.2", "127.0.0.1", "127.255.255.255"
 SECRET = hashed("key")
@@ -164,22 +162,22 @@ def test_a_request_waits_until_the_box_is_silent_or_heard(listening):
 
 
 def test_the_loopback_is_connected():
-    assert network.is_connected("127.255.255.255")
-    assert not network.is_connected("no address")
+    assert ears.is_connected("127.255.255.255")
+    assert not ears.is_connected("no address")
 
 
 def test_an_address_that_this_computer_cannot_have(tmp_path):
-    with pytest.raises(network.NoAddress):
-        network.take_address("no address", str(tmp_path))
+    with pytest.raises(ears.NoAddress):
+        ears.take_address("no address", str(tmp_path))
 
 
 def test_the_announcement_of_an_address():
-    frame = network.gratuitous_arp("10.0.0.2", bytes(range(6)))
+    frame = ears.gratuitous_arp("10.0.0.2", bytes(range(6)))
     assert len(frame) == 42 and frame[:6] == b"\xff" * 6 and frame[6:12] == frame[22:28] == bytes(range(6))
     assert frame[12:22] == bytes.fromhex("0806 0001 0800 06 04 0001")
     assert frame[28:32] == frame[38:42] == bytes([10, 0, 0, 2])
 
 
 def test_a_ping():
-    assert network.answers("127.0.0.1")
-    assert not network.answers("no address")
+    assert ears.answers("127.0.0.1")
+    assert not ears.answers("no address")

@@ -9,7 +9,7 @@ import pytest
 
 from helpers.waiting import LIMIT_S, wait_until
 from roah_rsbb.standby.pair import Side
-from roah_rsbb.standby.partners import PairedBox, PairedStandby, is_standby, partners_of, write_box, write_standby
+from roah_rsbb.standby.pairing import PairedBox, PairedStandby, is_standby, partners_of, write_box, write_standby
 from roah_rsbb.standby.program import prepared as module
 from roah_rsbb.standby.program.prepared import Prepared
 from roah_rsbb.standby.program.request import Reply, Requests, request
