@@ -6,7 +6,7 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import competition
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import AnotherBox, Level
-from roah_rsbb.core.robots import MAX_STRANGERS
+from roah_rsbb.core.robots import MAX_NAME, MAX_STRANGERS
 from roah_rsbb.core.runs.reported import StringsBudget
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import document
@@ -257,15 +257,16 @@ def test_a_flood_of_robots_is_bounded_and_the_run_continues():
     assert len(document.robots(driver.box, driver.now)) == 0
 
 
-@pytest.mark.parametrize("team, name", [("", ""), ("x" * 1000, "r"), ("Alpha", "")])
-def test_names_that_no_robot_has_are_reported_and_not_listed(team, name):
+@pytest.mark.parametrize("team, name, is_listed", [
+    ("", "", False), ("", "r", False), ("Alpha", "", False), ("x" * (MAX_NAME + 1), "r", False),
+    ("Alpha", "x" * (MAX_NAME + 1), False), ("Alpha", "x" * MAX_NAME, True),
+])
+def test_names_that_no_robot_has_are_reported_and_not_listed(team, name, is_listed):
     driver = BoxDriver()
     driver.taken()
     driver.event(driver.box.on_robot_beacon, "10.0.0.5", team, name, (0, 0))
-    assert driver.notices() == [
-        "Beacons from 10.0.0.5 are ignored: too many robots, or the name is empty or too long"
-    ]
-    assert document.robots(driver.box, driver.now) == {}
+    ignored = ["Beacons from 10.0.0.5 are ignored: too many robots, or the name is empty or too long"]
+    assert (driver.notices() == ignored, bool(document.robots(driver.box, driver.now))) == (not is_listed, is_listed)
 
 
 def test_complaints_of_the_public_channel_are_shown_for_a_while():

@@ -344,21 +344,3 @@ def test_disconnect_ends_the_channel_with_no_last_message_but_stop(is_running):
     assert effects.CloseChannel(robot.port) in taken
     assert driver.box.beacon().robots == ()
     assert driver.channels == {}
-
-
-def test_a_run_by_its_identity_is_left_unless_it_is_running():
-    driver = BoxDriver(competition(tbm=["HGTKMH", "HWV"]))
-    robot = driver.connected()
-    shown = Target("tbm", driver.run_in().identity)
-    driver.command("start")
-    robot.executes()
-    with pytest.raises(Refused, match="is running: stop it first"):
-        driver.event(driver.box.act, shown, "disconnect", "Anna")
-    driver.command("stop")
-    driver.event(driver.box.act, shown, "disconnect", "Anna")
-    assert driver.run_in() is None
-    driver.run(2.0)
-    driver.connected()
-    with pytest.raises(Refused, match="is not connected in zone 'tbm'"):
-        driver.event(driver.box.act, shown, "disconnect")
-    assert driver.run_in().phase is Phase.CONNECTED

@@ -63,17 +63,6 @@ def test_a_robot_whose_clock_is_set_right_in_a_run_continues_and_the_referee_is_
     assert driver.run_in().end_reason is EndReason.COMPLETED
 
 
-def test_a_robot_whose_clock_was_set_forward_continues_and_the_referee_is_warned():
-    driver = _minute()
-    robot = driver.executing()
-    robot.lives(10)
-    robot.skew = +1000
-    robot.says()
-    assert any("Robot's clock jumped forward by 1000" in text for text in driver.view().warnings)
-    robot.completes()
-    assert driver.run_in().end_reason is EndReason.COMPLETED
-
-
 def test_recorded_datagrams_have_no_effect_while_the_robot_lives():
     driver = BoxDriver(competition(tbm=["HCFGAC"]))
     robot = driver.connected()
@@ -208,15 +197,6 @@ def test_a_robot_whose_messages_are_old_has_not_disappeared():
         driver.run(1.0)
         robot.send(robot.last)
     assert driver.view().warnings[0].startswith("No message from the robot for 30 s but old ones: its clock")
-
-
-def test_a_robot_that_never_answers_is_reported():
-    driver = _minute()
-    driver.robot().beacon()
-    driver.command("connect")
-    driver.taken()
-    driver.run(30)
-    assert driver.notices(Level.WARNING) == ["Robot has not answered on the private channel yet"]
 
 
 def test_what_cannot_be_read_on_the_private_channel_is_before_the_referees_eyes():

@@ -37,15 +37,6 @@ def test_a_repeated_value_never_undoes_what_the_referee_did_since():
     assert driver.taken(SetDevice, SendBeacon) == []
 
 
-def test_a_stale_message_commands_nothing():
-    driver, robot = _catering()
-    robot.says()
-    old = robot.report(switch_1=True)
-    robot.says()
-    robot.send(old)
-    assert driver.taken(SetDevice) == []
-
-
 @pytest.mark.parametrize("first_run_code", ["HCFGAC", "HGTKMH"])
 @pytest.mark.parametrize("box_restarts", [False, True])
 def test_the_left_over_of_a_2015_clients_previous_run_is_not_obeyed(first_run_code, box_restarts):
@@ -85,14 +76,6 @@ def test_in_other_benchmarks_devices_are_ignored_with_one_warning(code):
     warnings = [e.text for e in taken if isinstance(e, effects.Notice) and e.level is Level.WARNING]
     assert warnings == [f"Robot commands devices or tablet, which {code} does not use: ignored"]
     assert driver.view().log.count("ignored") == 1
-
-
-def test_more_than_100_per_cent_is_a_warning():
-    driver, robot = _catering()
-    robot.says(dimmer=101)
-    taken = driver.taken()
-    assert not any(isinstance(effect, SetDevice) for effect in taken)
-    assert "Robot sets dimmer to 101: ignored, because the range is 0 to 100 per cent" in driver.view().log
 
 
 def test_the_beacon_shows_the_tablets_view_at_once():

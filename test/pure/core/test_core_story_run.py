@@ -231,23 +231,6 @@ def test_a_completed_run_that_is_disconnected_moves_the_zone_on():
     assert driver.view().event.code == "HWV"  # it was the last one
 
 
-def test_a_zone_stays_where_it_is_if_auto_next_is_off():
-    driver = _minute(Settings(auto_next=False))
-    driver.executing().completes()
-    driver.command("disconnect")
-    assert driver.view().event.code == "HGTKMH"
-    driver.command("next")
-    assert driver.view().event.code == "HWV"
-
-
-def test_a_zone_stays_where_it_is_after_a_run_that_was_not_completed():
-    driver = _minute()
-    driver.executing()
-    driver.command("stop")
-    driver.command("disconnect")
-    assert driver.view().event.code == "HGTKMH"
-
-
 def test_scores_are_marked_from_connect_to_disconnect():
     driver = _minute()
     robot = driver.connected()

@@ -54,7 +54,7 @@ def test_a_count_that_stays_above_0_is_enough():
     assert ended(driver) is None
 
 
-@pytest.mark.parametrize("state", [RobotState.PREPARING, RobotState.STOP])
+@pytest.mark.parametrize("state", [RobotState.PREPARING, RobotState.STOP, RobotState.EXECUTING])
 def test_only_a_robot_that_executes_must_save(state):
     driver = BoxDriver()
     robot = driver.connected()

@@ -186,9 +186,7 @@ def test_the_referee_continues_it(code, state):
     if state is BoxState.STOP:
         modules.asks(RequestKind.GOAL, **GOAL)
     assert box.sent[-1] is BoxState.PREPARE
-    robot.says(RobotState.PREPARING)
-    robot.says(RobotState.WAITING_GOAL)
-    robot.says(RobotState.EXECUTING)
+    robot.executes()
     robot.says(RobotState.STOP)
     assert box.sent[-1] is BoxState.PREPARE, "the robot's own program was restarted: as in any run"
 
@@ -356,9 +354,7 @@ def test_a_goal_that_the_robot_begins_again_counts_from_the_new_request():
     modules.beat()
     box.taken_over(robot).lives(3.0, state=RobotState.STOP)
     box.command("continue")
-    robot.says(RobotState.PREPARING)
-    robot.says(RobotState.WAITING_GOAL)
-    robot.says(RobotState.EXECUTING)
+    robot.executes()
     robot.lives(3.0)
     robot.says(RobotState.RESULT_TX)
     assert modules.outcome().executing_s == pytest.approx(3.0, abs=0.01)

@@ -158,8 +158,7 @@ def test_switches_can_be_asked_for_only_after_a_goal_with_switches():
 def test_a_robot_that_loses_its_goal_is_asked_to_prepare_again_for_the_same_one():
     driver, modules, robot = started()
     modules.asks(timeout=120.0, **WAYPOINT)
-    for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
-        robot.says(state)
+    robot.executes()
     robot.says(RobotState.STOP, after=5.0)
     assert driver.box_state() is BoxState.PREPARE
     assert modules.outcome() is None

@@ -136,8 +136,7 @@ def test_a_robot_that_saves_nothing_is_stopped_here_too():
     driver, modules, robot = started()
     modules.asks(**WAYPOINT)
     robot.saved = 0
-    for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
-        robot.says(state)
+    robot.executes()
     modules.lives(5.1, robot)
     assert driver.run_in().end_reason is EndReason.NO_MESSAGES_SAVED
     assert modules.run().end_reason == "no_messages_saved"
@@ -156,8 +155,7 @@ def _preparing(modules, robot):
 
 def _executing(modules, robot):
     modules.asks(timeout=50.0, **WAYPOINT)
-    for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
-        robot.says(state)
+    robot.executes()
 
 
 def _between(modules, robot):

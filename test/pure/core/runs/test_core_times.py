@@ -138,8 +138,7 @@ def test_the_clock_of_a_run_of_all_robots_does_not_change_when_the_first_complet
         robot.port = member.port
         robot.says(RobotState.STOP)
     driver.command("start", "all")
-    for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
-        robots[0].says(state)
+    robots[0].executes()
     if is_paused:
         driver.command("pause", "all")
     before = clock(driver, "all").elapsed
