@@ -1,12 +1,17 @@
-"""Box and robot, linked by a network that loses, doubles, delays and swaps datagrams."""
+"""Box and robots, byte by byte, linked by a network that loses, doubles, delays and swaps datagrams."""
 
 import random
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from helpers.competition import competition, event
-from helpers.examples import few
+from helpers.competition import TEAMS, competition, event
+from helpers.examples import examples, few
 from helpers.linked_world import FakeLink, World, assert_legal
+from helpers.module_player import BEAT_S, ScriptedModules
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.model.modules import OutcomeKind, RequestKind
 from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
@@ -205,3 +210,168 @@ def test_a_robot_hears_of_devices_and_tablet_that_it_commands():
     assert world.run_until(lambda: world.box.box.tablet.state.display_map, 20)
     world.run(5)
     assert world.box.logged(port, "/rsbb_log/devices/dimmer") == [70]
+
+
+BAD = {"loss": 0.25, "double": 0.3, "late": 0.3, "longest_delay": 0.8}
+EVENT = {"team": "ALL", "timeout": 120.0, "scoring": ()}
+
+
+def _world_of_all(seed, teams, link=None, max_datagram=1024, longest_s=20.0):
+    """A box with all robots connected; their tasks take up to `longest_s`."""
+    config = competition(teams=teams, tbm=[event("HSUF", **EVENT)])
+    world = World(config, FakeLink(random.Random(seed), **(link or {})), Settings(max_datagram=max_datagram))
+    rng = random.Random(seed)
+    for team in teams:
+        world.add_robot(team, skew=rng.uniform(-0.03, 0.03), execute_s=rng.uniform(2.0, longest_s))
+    ready = f"{len(teams)} robots ready"
+    assert world.run_until(lambda: ready in world.box.view().state, 300), world.box.view().state
+    world.press("connect")
+    return world
+
+
+def _started(world):
+    world.press("start")
+    return world.box.run_in()
+
+
+@pytest.mark.parametrize("seed", range(few(4)))
+def test_all_complete_on_a_bad_link(seed):
+    world = _world_of_all(seed, TEAMS, BAD)
+    run = _started(world)
+    members = run.members()
+    assert world.run_until(lambda: run.phase is Phase.ENDED, 110)
+    assert run.end_reason is EndReason.COMPLETED
+    for member, robot in zip(members, world.robots):
+        assert member.robot == (robot.team, robot.name)
+        assert member.end_reason is EndReason.COMPLETED
+        assert_legal(world, member.port, robot)
+    world.press("disconnect")
+    assert world.run_until(lambda: all(robot.port is None for robot in world.robots), 30)
+
+
+def test_thirty_robots_complete():
+    # Without jitter many datagrams arrive at the same time, so that there are fewer moments to simulate.
+    world = _world_of_all(1, [f"Team{i:02}" for i in range(30)], {"jitter": False}, max_datagram=2000, longest_s=6.0)
+    run = _started(world)
+    assert world.run_until(lambda: run.phase is Phase.ENDED, 60)
+    assert run.desc == "All robots have ended (30 completed)"
+    assert all(robot.tasks == 1 for robot in world.robots)
+
+
+@pytest.mark.parametrize("seed", range(few(3)))
+def test_a_robot_that_crashes_and_returns_starts_again_and_the_others_do_not(seed):
+    world = _world_of_all(seed, TEAMS)
+    run = _started(world)
+    assert world.run_until(lambda: all(robot.tasks for robot in world.robots), 30)
+    world.robots[1].crash()
+    assert world.run_until(lambda: run.phase is Phase.ENDED, 60)
+    assert run.end_reason is EndReason.COMPLETED
+    assert [robot.tasks for robot in world.robots] == [1, 2, 1]
+
+
+@pytest.mark.parametrize("seed", range(few(3)))
+def test_stop_reaches_all_and_all_start_again(seed):
+    world = _world_of_all(seed, TEAMS, BAD)
+    run = _started(world)
+    assert world.run_until(lambda: run.counts().executing == 3, 60)
+    world.press("stop")
+    stopped = [RobotState.STOP] * 3
+    assert world.run_until(lambda: [r.session.progress.state for r in world.robots] == stopped, 30)
+    _started(world)
+    assert world.run_until(lambda: run.phase is Phase.ENDED, 60)
+    assert run.end_reason is EndReason.COMPLETED
+
+
+def test_a_robot_that_leaves_before_the_start_does_not_block_it():
+    world = _world_of_all(1, TEAMS)
+    gone = world.robots.pop(0)
+    world.run(4.0)
+    run = _started(world)
+    assert world.run_until(lambda: run.phase is Phase.ENDED, 60)
+    assert run.desc == "All robots have ended (2 completed)"
+    assert gone.tasks == 0
+
+
+def test_the_timeout_reaches_all():
+    world = _world_of_all(2, TEAMS, BAD)
+    for robot in world.robots[1:]:
+        robot.execute_s = 1000.0
+    run = _started(world)
+    assert world.run_until(lambda: run.phase is Phase.ENDED, 130)
+    assert run.end_reason is EndReason.TIMEOUT
+    stopped = [RobotState.STOP] * 3
+    assert world.run_until(lambda: [r.session.progress.state for r in world.robots] == stopped, 30)
+
+
+WAYPOINTS = [(RequestKind.GOAL, {"goal": f"[{i}, 0, 0]", "pose": (float(i), 0.0, 0.0)}) for i in range(3)]
+NO_GOALS = [(RequestKind.GOAL, {}), (RequestKind.NOTE, {"note": "1"}), (RequestKind.GOAL, {})]
+LINK = st.fixed_dictionaries({
+    "loss": st.floats(0, 0.45), "double": st.floats(0, 0.5), "late": st.floats(0, 0.5),
+    "longest_delay": st.floats(0.01, 1.5), "jitter": st.booleans(),
+})
+
+
+class LinkedModules(ScriptedModules):
+    """Modules that publish twice a second and are sometimes missing."""
+
+    def __init__(self, world, code, script):
+        super().__init__(world.box, code, script)
+        self.world = world
+        self.next_mono = world.mono
+
+    def deadline(self):
+        return self.next_mono
+
+    def poll(self):
+        self.next_mono = self.world.mono + BEAT_S
+        self.proceed()
+
+    def crash(self, seconds):
+        """End the process. Another one starts after this many seconds."""
+        self.next_mono = self.world.mono + seconds
+        self.node += "'"
+
+
+def world_of(code, script, link, **kwargs):
+    settings = Settings(check_messages_saved=False)
+    world = World(competition(tbm=[event(code, timeout=120.0, total_timeout=600.0)]), link, settings)
+    modules = LinkedModules(world, code, script)
+    world.companions.append(modules)
+    return world, modules, world.add_robot(**kwargs)
+
+
+def completed(world):
+    return world.run_until(lambda: world.box.run_in().phase is Phase.ENDED, 590)
+
+
+@examples(25)
+@given(LINK, st.integers(0, 2**32), st.sampled_from(["HNF", "HOPF"]), st.floats(0.01, 2), st.floats(0.01, 6))
+def test_every_goal_is_done_once_on_every_link(link, seed, code, prepare_s, execute_s):
+    script = WAYPOINTS if code == "HNF" else NO_GOALS
+    world, _, robot = world_of(code, script, FakeLink(random.Random(seed), **link), prepare_s=prepare_s,
+                               execute_s=execute_s)
+    world.press("connect", limit_s=300)
+    port = world.box.run_in().port
+    world.press("start", limit_s=300)
+    assert completed(world)
+    run = world.box.run_in()
+    assert run.end_reason is EndReason.COMPLETED
+    assert [step.request.kind for step in run.steps] == [kind for kind, _ in script]
+    assert all(step.outcome.kind is OutcomeKind.DONE for step in run.steps)
+    assert_legal(world, port, robot, explicit_goal=code == "HNF")
+
+
+@examples(25)
+@given(st.integers(0, 2**32), st.lists(st.tuples(st.floats(0.1, 8), st.floats(0.1, 10)), min_size=1, max_size=4))
+def test_a_run_survives_modules_that_crash_again_and_again(seed, crashes):
+    world, modules, _ = world_of("HNF", WAYPOINTS, FakeLink(random.Random(seed)))
+    world.press("connect")
+    world.press("start")
+    for after, away in crashes:
+        world.run(after)
+        modules.crash(away)
+        world.run(away)
+    assert completed(world)
+    run = world.box.run_in()
+    assert run.end_reason is EndReason.COMPLETED
+    assert [step.request.goal for step in run.steps] == [fields["goal"] for _, fields in WAYPOINTS]

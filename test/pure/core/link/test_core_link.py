@@ -1,10 +1,14 @@
-"""The box's view of the robot at the other end of a private channel."""
+"""The box's view of the robot at the other end of a private channel: which messages are new, the skew of its clock."""
+
+import random
 
 import pytest
 
 from helpers.box_driver import wire
 from helpers.competition import UTC0
+from roah_rsbb.core.link.freshness import QUIET_S, Freshness, Timeline
 from roah_rsbb.core.link.link import BAD_S, HERE_S, OLD_REPORTED, REMEMBER_S, SILENT_S, RobotLink
+from roah_rsbb.core.link.skew import MAX_SAMPLES, WINDOW_S, SkewEstimate, within
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.protocol import RobotState
@@ -250,3 +254,170 @@ def test_what_cannot_be_read_matters_until_something_can(line):
     line.link.on_bad_datagram(line.now, "10.0.0.2: wrong password?")
     line.wait(BAD_S + 0.1)
     assert "10.0.0.2: wrong password?" not in line.warnings
+
+
+def test_nothing_is_known_before_the_first_sample():
+    estimate = SkewEstimate()
+    assert (estimate.seconds, estimate.count) == (None, 0)
+    assert not within(estimate.seconds, 1e9)
+
+
+@pytest.mark.parametrize("true_skew", [-0.15, -0.05, 0.0, 0.05, 0.15])
+@pytest.mark.parametrize("seed", range(5))
+def test_delays_of_most_messages_do_not_matter(true_skew, seed):
+    rng = random.Random(seed)
+    estimate = SkewEstimate()
+    for i in range(20):
+        delay = 0.001 if i % 3 == 0 else rng.uniform(0.001, 0.4)
+        estimate.sample(i * 0.5, true_skew - delay)
+        if i >= 5:
+            assert estimate.seconds == pytest.approx(true_skew, abs=0.002)
+
+
+def test_a_clock_that_was_put_right_is_believed_after_the_window():
+    estimate = SkewEstimate()
+    for second in range(10):
+        estimate.sample(second, 0.5)
+    after = [estimate.sample(10 + i, 0.0) for i in range(5)]
+    assert after == [0.5, 0.5, 0.0, 0.0, 0.0]
+    assert WINDOW_S == 2.5
+
+
+def test_the_first_message_after_a_silence_may_have_been_late():
+    estimate = SkewEstimate()
+    estimate.sample(0.0, 0.01)
+    assert estimate.sample(10.0, -2.1) == 0.01
+    assert estimate.sample(10.1, 0.01) == 0.01
+
+
+def test_a_clock_that_was_put_back_in_a_silence_is_believed_after_the_window():
+    estimate = SkewEstimate()
+    estimate.sample(0.0, 0.5)
+    assert [estimate.sample(10.0 + i, 0.0) for i in range(4)] == [0.5, 0.5, 0.5, 0.0]
+
+
+def test_one_who_seldom_says_something_is_believed_too():
+    estimate = SkewEstimate()
+    assert [estimate.sample(3.0 * i, -float(i)) for i in range(4)] == [0.0, 0.0, -1.0, -2.0]
+
+
+def test_a_flood_of_samples_does_not_grow_anything():
+    estimate = SkewEstimate()
+    for i in range(10_000):
+        estimate.sample(i * 1e-5, 0.0)
+    assert estimate.count == MAX_SAMPLES
+
+
+def test_all_is_forgotten_when_a_clock_was_set():
+    estimate = SkewEstimate()
+    estimate.sample(0.0, 5.0)
+    estimate.restart()
+    assert (estimate.seconds, estimate.count) == (None, 0)
+    assert estimate.sample(0.1, -0.2) == -0.2
+
+
+@pytest.mark.parametrize("skew, is_within", [
+    (0.0, True), (0.0999, True), (-0.0999, True), (0.1, False), (-0.1, False), (0.15, False), (-0.15, False),
+    (9.2e18, False), (-9.2e18, False),
+])
+def test_only_a_skew_below_the_allowed_one_will_do_in_both_directions(skew, is_within):
+    assert within(skew, 0.1) is is_within
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_estimate_is_always_the_largest_sample_of_the_window(seed):
+    chance, estimate, mono, samples = random.Random(seed), SkewEstimate(), 0.0, []
+    for _ in range(500):
+        mono += chance.choice([0.0, 0.05, 0.05, 1.0, 2.5, 3.0])
+        skew = chance.choice([-0.1, 0.0, 0.1, chance.uniform(-1.0, 1.0)])
+        late = [(mono, samples[-1][1])] if samples and samples[-1][0] < mono - WINDOW_S else []
+        samples = [*(one for one in samples if one[0] >= mono - WINDOW_S), *late, (mono, skew)][-MAX_SAMPLES:]
+        assert estimate.sample(mono, skew) == max(one for _, one in samples)
+        assert estimate.count == len(samples)
+
+
+S = 1_000_000_000
+T0 = 1_800_000_000 * S
+
+
+def _judged(*messages):
+    """Verdicts of messages (moment of arrival in s, time in s after T0)."""
+    timeline = Timeline()
+    return [timeline.judge(mono, T0 + round(time * S)).value for mono, time in messages]
+
+
+def test_rising_times_are_fresh_however_close():
+    timeline = Timeline()
+    assert [timeline.judge(0.0, T0 + ns) for ns in range(3)] == [Freshness.FRESH] * 3
+
+
+def test_a_doubled_and_an_overtaken_message():
+    assert _judged((0, 0), (0, 0), (1, 1), (1, 0.5), (1, 0), (1, 1), (2, 2)) == [
+        "fresh", "duplicate", "fresh", "stale", "stale", "duplicate", "fresh"
+    ]
+
+
+def test_a_clock_that_was_set_back_is_believed_after_a_while():
+    assert _judged((0, 0), (1, 1), (2, -3600), (3, -3599), (4, -3598), (5, -3597)) == [
+        "fresh", "fresh", "stale", "stale", "clock set back", "fresh"
+    ]
+
+
+def test_a_burst_of_old_times_is_not_believed_before_the_old_timeline_was_quiet():
+    burst = [(1 + i / 20, -100 + i / 20) for i in range(30)]
+    assert set(_judged((0, 0), *burst)[1:]) == {"stale"}
+    late = [(QUIET_S + i / 20, -100 + i / 20) for i in range(3)]
+    assert _judged((0, 0), *late)[1:] == ["stale", "stale", "clock set back"]
+
+
+def test_old_times_in_falling_order_are_an_overtaking_network():
+    assert set(_judged((0, 0), *[(3 + i, -1 - i) for i in range(20)])[1:]) == {"stale"}
+
+
+def test_one_old_message_repeated_does_not_start_a_timeline():
+    assert set(_judged((0, 0), *[(3 + i, -5) for i in range(20)])[1:]) <= {"stale", "duplicate"}
+
+
+def test_a_straggler_from_before_the_clock_was_set_back_does_not_lock_the_robot_out():
+    # 0.95 was overtaken by 1, then the clock is set back by an hour.
+    verdicts = _judged((0, 0), (1, 1), (1.01, 0.95), (2, -3598), (3, -3597), (4, -3596), (5, -3595))
+    assert verdicts[2:] == ["stale", "stale", "stale", "clock set back", "fresh"]
+
+
+def test_a_clock_that_was_set_back_is_believed_on_a_network_that_doubles_everything():
+    sent = [(0, 0), (1, 1), (2, -10), (3, -9), (4, -8), (5, -7)]
+    verdicts = _judged(*[(mono + i / 100, time) for mono, time in sent for i in range(2)])
+    assert verdicts[8:] == ["clock set back", "duplicate", "fresh", "duplicate"]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_clock_set_back_is_found_on_a_network_that_doubles_and_swaps(seed):
+    rng = random.Random(seed)
+    sent = [(0.05 * i, 0.05 * i) for i in range(40)]  # until 2 s
+    sent += [(2 + 0.5 * i, -1000 + 0.5 * i) for i in range(40)]
+    arrived = sorted((mono + rng.uniform(0, 0.7), time) for mono, time in sent for _ in range(rng.randint(1, 2)))
+    verdicts = _judged(*arrived)
+    assert verdicts.count("clock set back") == 1
+    assert arrived[verdicts.index("clock set back")][0] < 2 + QUIET_S + 6
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_recorded_messages_have_no_chance_while_the_robot_lives(seed):
+    """The robot sends every second and loses one now and then; meanwhile its old messages are played again."""
+    rng = random.Random(seed)
+    old = [-1000 + i / 10 for i in range(1000)]
+    lives = [(i, i) for i in range(100) if i % 3 or rng.random() < 0.5]
+    replays = [(0.1 + i / 10, time) for i, time in enumerate(old)]
+    verdicts = dict(zip(sorted(lives + replays), _judged(*sorted(lives + replays))))
+    assert {verdicts[message] for message in lives} == {"fresh"}
+    assert {verdicts[message] for message in replays if message[0] > lives[0][0]} == {"stale"}
+
+
+@pytest.mark.parametrize("absurd", [2**63 - 1, -(2**63), 0, 2**32 * S, (2**63 - 1) * S + 2**63 - 1])
+def test_one_absurd_time_does_not_lock_the_robot_out(absurd):
+    timeline = Timeline()
+    timeline.judge(0.0, T0)
+    timeline.judge(1.0, absurd)
+    verdicts = [timeline.judge(float(mono), T0 + mono * S) for mono in range(2, 10)]
+    assert verdicts[-1] is Freshness.FRESH
+    assert verdicts.count(Freshness.STALE) <= 3

@@ -1,14 +1,18 @@
-"""The box as referees and the public see it."""
+"""The box as referees and the public see it; the schedule: states and times of the events, the choice of one."""
 
 import pytest
 
 from helpers.box_driver import BoxDriver
 from helpers.commands import COMMANDS
 from helpers.competition import UTC0, competition, event
+from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import document
+from roah_rsbb.core.views.schedule import NO_LIMIT_S, SETUP_S, events_shown, schedule, slot_lengths
 from roah_rsbb.model.document import RobotSeen
+from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.zone import LATELY_S, RunClock
 from roah_rsbb.protocol import RobotState
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, ZonePlan
 
 
 def test_a_zone_without_a_robot():
@@ -162,3 +166,244 @@ def test_time_that_passes_alone_changes_no_clock():
     after = driver.view()
     assert after.clock.elapsed == pytest.approx(before.clock.elapsed + 1.0)
     assert after.shown.clock == before.shown.clock
+
+
+MINUTE = 60.0
+T0 = UTC0 - UTC0 % MINUTE + 10 * MINUTE  # some minutes after the driver's beginning
+
+
+def day(*minutes, code="HGTKMH", timeout=600.0):
+    """Events at so many minutes after T0, in turns of the teams."""
+    return [event(code, team, 1, run, T0 + minute * MINUTE, timeout=timeout)
+            for run, (minute, team) in enumerate(zip(minutes, ["Alpha", "Beta", "Gamma"] * len(minutes)), 1)]
+
+
+def lines(driver, zone="tbm"):
+    return [line for line in schedule(driver.box, driver.now) if line.zone == zone]
+
+
+def states(driver, zone="tbm"):
+    return [line.state.value for line in lines(driver, zone)]
+
+
+def minutes(driver, zone="tbm"):
+    """Minutes after T0 at which the events begin."""
+    return [(line.begins - T0) / MINUTE for line in lines(driver, zone)]
+
+
+def at(driver, minute):
+    """Advance the time to this many minutes after T0."""
+    driver.run(T0 + minute * MINUTE - driver.now.utc)
+
+
+def choose(driver, index, zone="tbm", unsigned=False):
+    driver.choose(index, zone, unsigned, "Anna")
+
+
+def a_run(driver, end=True):
+    robot = driver.connected()
+    driver.command("start")
+    robot.executes()
+    if end:
+        driver.command("stop")
+    return robot
+
+
+# -- what became of the events ----------------------------------------------------------------------
+
+
+def test_an_event_from_next_to_done():
+    driver = BoxDriver(competition(tbm=day(0, 15, 30)))
+    assert states(driver) == ["next", "later", "later"]
+    driver.connected()
+    assert states(driver) == ["connected", "later", "later"]
+    driver.command("disconnect")
+    assert states(driver)[0] == "next", "a run that was never started is none"
+    a_run(driver, end=False)
+    assert states(driver)[0] == "running"
+    driver.command("stop")
+    assert states(driver)[0] == "ended"
+    driver.command("disconnect")
+    assert states(driver)[0] == "next", "after a stop the zone stays, for another attempt"
+    assert lines(driver)[0].last.end_reason == "stopped"
+    driver.command("next")
+    assert states(driver) == ["done", "next", "later"]
+    assert [line.current for line in lines(driver)] == [False, True, False]
+    driver.command("next")
+    assert states(driver) == ["done", "skipped", "next"]
+
+
+def test_the_last_run_counts_and_its_sign_off_shows():
+    driver = BoxDriver(competition(tbm=day(0, 15)))
+    for _ in range(2):
+        a_run(driver)
+        driver.command("disconnect")
+    last = lines(driver)[0].last
+    assert last.identity == driver.box.finished.records()[0].identity != driver.box.finished.records()[1].identity
+    driver.enter("sign_off", RunName("tbm", last.identity), "Anna")
+    assert lines(driver)[0].last.sign_off.who == "Anna"
+
+
+def test_the_score_of_the_attempt_before_is_not_shown_beside_a_run():
+    driver = BoxDriver(competition(tbm=day(0, 15)))
+    a_run(driver)
+    driver.command("disconnect")
+    (first, _) = events_shown(lines(driver)).values()
+    a_run(driver, end=False)
+    (again, _) = events_shown(lines(driver)).values()
+    assert first.score
+    assert (again.state, again.identity, again.score) == ("running", first.identity, "")
+
+
+def test_all_zones_are_sorted_by_time():
+    driver = BoxDriver(competition(tbm=day(20, 40), other=day(10, 30)))
+    assert [line.zone for line in schedule(driver.box, driver.now)] == ["other", "tbm", "other", "tbm"]
+
+
+# -- estimated times --------------------------------------------------------------------------------
+
+
+def test_a_slot_is_what_the_schedule_gives():
+    plan = ZonePlan("z", tuple(day(0, 15, 30, 90) + day(100, code="HWV")))
+    assert slot_lengths([plan]) == {"HGTKMH": 10 * MINUTE, "HWV": 600.0 + SETUP_S}
+    a_day_each = ZonePlan("z", tuple(day(0, 24 * 60)))
+    assert slot_lengths([a_day_each]) == {"HGTKMH": 600.0 + SETUP_S}, "the night is no slot"
+    twice = ZonePlan("z", tuple(day(0, 0, 20)))
+    assert slot_lengths([twice]) == {"HGTKMH": 20 * MINUTE}, "events at the same time say nothing"
+    assert slot_lengths([]) == {}
+
+
+def test_a_slot_without_a_limit_and_with_a_setup_time_of_its_own():
+    def plan(**rules):
+        return ZonePlan("z", (event(timeout=NO_LIMIT, rules=EventRules(**rules)),))
+
+    assert slot_lengths([plan()]) == {"HGTKMH": NO_LIMIT_S + SETUP_S}
+    assert slot_lengths([plan(setup_time=60.0)]) == {"HGTKMH": NO_LIMIT_S + 60.0}
+
+
+def test_nothing_begins_before_its_time():
+    driver = BoxDriver(competition(tbm=day(0, 15, 30)))
+    assert minutes(driver) == [0, 15, 30]
+    a_run(driver)
+    assert minutes(driver)[1:] == [15, 30]
+
+
+def test_a_late_event_delays_the_later_ones_and_a_break_absorbs_the_delay():
+    driver = BoxDriver(competition(tbm=day(0, 15, 30, 90), other=day(0, 15)))
+    at(driver, 12.5)
+    assert minutes(driver) == [13, 28, 43, 90]
+    at(driver, 80)
+    assert minutes(driver) == [80, 95, 110, 125]
+    choose(driver, 2)
+    assert minutes(driver) == [0, 15, 80, 95], "skipped events take no time"
+
+
+def test_a_run_delays_by_when_it_began_and_by_its_length():
+    driver = BoxDriver(competition(tbm=day(0, 15, 30, timeout=3600.0)))
+    at(driver, 7)
+    a_run(driver, end=False)
+    begins = minutes(driver)
+    assert begins[0] == pytest.approx(7.0, abs=0.1), "it began then"
+    assert begins[1:] == [23, 38], "whole minutes"
+    driver.robot().beacon()
+    robot = driver.box.zones["tbm"].run
+    assert robot is not None
+    at(driver, 28)
+    assert minutes(driver)[1:] == [28, 43], "it takes longer than its slot: the next one begins now, for all we know"
+
+
+def test_zones_do_not_delay_each_other():
+    driver = BoxDriver(competition(tbm=day(0, 15), other=day(60, 75)))
+    at(driver, 20)
+    assert minutes(driver) == [20, 35]
+    assert minutes(driver, "other") == [60, 75]
+
+
+def test_estimates_change_once_a_minute():
+    driver = BoxDriver(competition(tbm=day(0, 15, 30)))
+    at(driver, 20.1)
+    before = lines(driver)
+    driver.run(30.0)
+    assert lines(driver) == before
+    driver.run(30.0)
+    assert lines(driver) != before
+
+
+def test_a_delay_over_midnight():
+    midnight = T0 - T0 % 86400 + 86400
+    events = [event(run=run, scheduled=midnight - 20 * MINUTE + run * 15 * MINUTE) for run in (0, 1, 2)]
+    driver = BoxDriver(competition(tbm=events))
+    driver.run(midnight - 2 * MINUTE - driver.now.utc)
+    assert [round((line.begins - midnight) / MINUTE) for line in lines(driver)] == [-2, 13, 28]
+
+
+def test_twenty_zones_with_many_events_and_a_schedule_that_is_long_over():
+    zones = {f"zone {number}": day(*range(0, 10 * 15, 15)) for number in range(20)}
+    driver = BoxDriver(competition(**zones))
+    driver.run(10 * 365 * 86400.0)
+    found = schedule(driver.box, driver.now)
+    assert len(found) == 200
+    assert {line.state.value for line in found} == {"next", "later"}
+    assert min(line.begins for line in found) >= driver.now.utc
+
+
+# -- the choice of an event -------------------------------------------------------------------------
+
+
+def test_an_event_is_chosen():
+    driver = BoxDriver(competition(tbm=day(0, 15, 30)))
+    driver.taken()
+    choose(driver, 2)
+    assert driver.box.zones["tbm"].index == 2
+    assert driver.box.take_changed() == {"tbm"}
+    [record] = [effect.value for effect in driver.taken() if type(effect).__name__ == "Recorded"]
+    assert record == {"command": "choose_event", "event": "HGTKMH Gamma 1 3"}
+    choose(driver, 0)
+    assert driver.box.zones["tbm"].index == 0
+
+
+def test_a_run_in_the_zone_is_left_only_if_that_is_confirmed():
+    driver = BoxDriver(competition(tbm=day(0, 15, 30)))
+    driver.connected()
+    with pytest.raises(Refused, match="disconnect it first"):
+        choose(driver, 1, unsigned=True)
+    driver.command("disconnect")
+    a_run(driver, end=False)
+    with pytest.raises(Refused, match="is running: stop it first"):
+        choose(driver, 1, unsigned=True)
+    driver.command("stop")
+    with pytest.raises(Refused, match="HGTKMH, team Alpha, round 1, run 1 is not signed off: confirm"):
+        choose(driver, 1)
+    assert driver.run_in() is not None
+    choose(driver, 1, unsigned=True)
+    assert driver.run_in() is None
+    assert driver.box.zones["tbm"].index == 1
+    assert driver.box.finished.records()[0].team == "Alpha", "its sheet can be signed off later"
+
+
+def test_a_run_that_was_left_counts_until_it_is_signed_off():
+    driver = BoxDriver(competition(tbm=day(0, 15, 30)))
+    a_run(driver)
+    driver.command("disconnect")
+    with pytest.raises(Refused, match="not signed off"):
+        choose(driver, 1)
+    choose(driver, 0)  # it is there already
+    driver.event(driver.box.scores.sign_off, RunName("tbm", driver.box.finished.records()[0].identity), "Anna")
+    choose(driver, 1)
+    assert driver.box.zones["tbm"].index == 1
+
+
+def test_a_completed_run_is_left_for_the_event_that_was_chosen():
+    driver = BoxDriver(competition(tbm=day(0, 15, 30)), Settings(auto_next=True))
+    a_run(driver)
+    choose(driver, 2, unsigned=True)
+    assert driver.box.zones["tbm"].index == 2
+
+
+def test_an_event_that_the_schedule_does_not_have():
+    driver = BoxDriver(competition(tbm=day(0, 15)))
+    with pytest.raises(Refused, match="zone 'tbm' has no event 'x' any more: choose it again"):
+        driver.choose_id("x")
+    with pytest.raises(Refused, match="no zone 'tmb': did you mean 'tbm'"):
+        driver.choose_id("x", "tmb")
+    assert driver.box.zones["tbm"].index == 0

@@ -31,7 +31,7 @@ from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, PhaseRule, Restarts
 from roah_rsbb.scoring.sheet import Mark
 
-OLD_STATES = pathlib.Path(__file__).resolve().parents[3] / "data" / "journal_states.json"
+OLD_STATES = pathlib.Path(__file__).resolve().parents[2] / "data" / "journal_states.json"
 TEAMS = ("Alpha", "Beta", "Gamma", "Delta", "Epsilon")
 # Nothing is dropped from a log by its size, so that the line that a restart adds can be taken away again.
 SETTINGS = Settings(listen_duration=0.0, display_log_size=10**9)

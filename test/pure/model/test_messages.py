@@ -1,8 +1,9 @@
-"""Messages as the core sees them, and as they stand in run logs."""
+"""Messages as the box sees them, as robots understand them, and as they stand in run logs."""
 
+import pytest
 import yaml
 
-from roah_rsbb.model.messages import NEVER, BoxMessage, RobotReport
+from roah_rsbb.model.messages import NEVER, BoxMessage, GoalMessage, RobotReport
 from roah_rsbb.protocol import BoxState, RobotState
 
 
@@ -28,3 +29,18 @@ def test_the_boxs_message_in_the_log():
     message = BoxMessage("HWV", BoxState.PREPARE, (12, 5))
     assert yaml.safe_load(message.lines()) == {"benchmark": "HWV", "state": "PREPARE", "acknowledgement": [12, 5]}
     assert BoxMessage("HWV", BoxState.STOP).acknowledgement == NEVER == (0, 0)
+
+
+MESSAGE = BoxMessage("HNF", BoxState.GOAL_TX, (1, 2), GoalMessage(text="1"))
+
+
+def test_the_same_with_another_acknowledgement_is_a_repetition():
+    assert MESSAGE.repeats(MESSAGE._replace(acknowledgement=(3, 4)))
+    assert not MESSAGE.repeats(None)
+
+
+@pytest.mark.parametrize("change", [
+    {"state": BoxState.WAITING_RESULT}, {"goal": GoalMessage(text="2")}, {"benchmark": "HGMF"},
+])
+def test_all_else_is_news(change):
+    assert not MESSAGE._replace(**change).repeats(MESSAGE)
