@@ -16,7 +16,7 @@ def _found(tmp_path_factory):
         from roah_rsbb.document.document import Followed, DocumentReader, Written
         from roah_rsbb.model.document import Document
         from roah_rsbb.referee.view import Style, zone_lines
-        from roah_rsbb.web.zone_documents import zone_page
+        from roah_rsbb.web.device_documents import zone_page
         from roah_rsbb.wording.times import Moments
         driver = BoxDriver()
         driver.executing()

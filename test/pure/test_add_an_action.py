@@ -81,7 +81,7 @@ def test_the_terminal_has_it_with_its_arguments_and_help(tree):
 @needs_ros
 def test_the_gateway_takes_it_and_gives_the_page_its_form(tree):
     found = run(tree, """
-        from roah_rsbb.web.calls import call_of
+        from roah_rsbb.web.commands import call_of
         from roah_rsbb.web.commands import command_of, may
         from roah_rsbb.web.pairing import Grant, DeviceSession
         from roah_rsbb.wording.device import page_words

@@ -28,8 +28,8 @@ from roah_rsbb.devices.smartif import (
     is_ring,
 )
 from roah_rsbb.document.calls import DEVICES, DOOR, RING, SET_DEVICE, Call, Caller
+from roah_rsbb.ground.kept_file import open_kept
 from roah_rsbb.model.reason import Refused, say
-from roah_rsbb.web.kept_file import open_kept
 
 # -- the connection -----------------------------------------------------------------------------------
 

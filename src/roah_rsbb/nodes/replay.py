@@ -18,6 +18,7 @@ import rospy
 from roah_rsbb.box.box_door import BoxDoor
 from roah_rsbb.box.calls import BoxCalls
 from roah_rsbb.client.places import NotFound, read_place, write_place
+from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.ground.arguments import Parser, number
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.model.clock import Now
@@ -31,7 +32,6 @@ from roah_rsbb.ros.loop_services import LoopServices
 from roah_rsbb.ros.node import RosLoop
 from roah_rsbb.ros.places import ANSWER_S, REPLAY, live_core, place_of_node, publish_door
 from roah_rsbb.rulebook.errors import ConfigErrors
-from roah_rsbb.web.serving import ANY_HOST
 
 PERIOD_S = 0.1  # of the panels' messages, as in the core
 PUBLIC_EVERY = 5

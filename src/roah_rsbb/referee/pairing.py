@@ -9,7 +9,7 @@ from roah_rsbb.referee.link import Link
 from roah_rsbb.referee.output import Output
 from roah_rsbb.referee.view import BOLD, Style
 from roah_rsbb.referee.words import BadWord, pick_zone
-from roah_rsbb.web import qr_code
+from roah_rsbb.web import pairing
 from roah_rsbb.wording.device import encryption_text, role_text
 from roah_rsbb.wording.texts import escaped
 from roah_rsbb.wording.times import countdown
@@ -28,10 +28,10 @@ def pair(link: Link, options: Any, output: Output) -> Exit:
         output.object({"ok": True, "command": "pair", "role": options.role, "zone": zone, "code": code,
                        "url": url, "valid_s": valid_s})
         return Exit.OK
-    square = qr_code.lines_of(url)
+    square = pairing.lines_of(url)
     page = url.partition("#")[0]
     output.lines([
-        *(square or [f"No QR code: install it with '{qr_code.INSTALL}'"]),
+        *(square or [f"No QR code: install it with '{pairing.INSTALL}'"]),
         f"{role_text(options.role, zone)}: open {url}",
         f"or open {page} and type the code {output.style(BOLD, code)}",
         f"The code is for one device, and valid for {countdown(valid_s)}",

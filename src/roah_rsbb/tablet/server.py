@@ -19,10 +19,18 @@ from roah_rsbb.ground.params import Params
 from roah_rsbb.tablet import maps
 from roah_rsbb.tablet.maps import Map
 from roah_rsbb.tablet.radio import ShownTablet, TabletRadio
-from roah_rsbb.web.guarded import FileHandler, Guarded
 from roah_rsbb.web.limits import Rates, own_names
-from roah_rsbb.web.opening import LOOPBACK, hosts_of, retry_until_open
-from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, BoundedSocket, bind
+from roah_rsbb.web.serving import (
+    LOOPBACK,
+    MAX_MESSAGE_BYTES,
+    BoundedServer,
+    BoundedSocket,
+    FileHandler,
+    Guarded,
+    bind,
+    hosts_of,
+    retry_until_open,
+)
 
 # -- messages of pages --------------------------------------------------------------------------------
 

@@ -21,7 +21,7 @@ from roah_rsbb.tools.competition.files import FIREWALL
 from roah_rsbb.tools.interfaces import interfaces
 from roah_rsbb.tools.open_ports import listeners
 from roah_rsbb.tools.preflight_checks import Remark, Severity
-from roah_rsbb.web.opening import LOOPBACK
+from roah_rsbb.web.serving import LOOPBACK
 
 PROGRAM = called("preflight")
 _DESCRIPTION = """\

@@ -1,11 +1,24 @@
 """What paired devices may command. The gateway checks who may give them, and the core what is possible. No I/O."""
 
-from typing import Any, Dict, NamedTuple, Tuple
+import asyncio
+import functools
+from concurrent.futures import Future
+from typing import Any, Dict, NamedTuple, Protocol, Tuple
 
+from roah_rsbb.client.client import Answer
 from roah_rsbb.document.calls import DEVICES, SET_DEVICE
+from roah_rsbb.document.written import read
 from roah_rsbb.model import fields as model_fields
 from roah_rsbb.model.actions import EVERY, JUDGES, MARK, STOP, Action
+from roah_rsbb.model.messages import DevicesSeen
+from roah_rsbb.model.results import JudgedRun, RunSheet
+from roah_rsbb.web.device_documents import devices_page, own_sheet, side_by_side, whole_sheet_page
+from roah_rsbb.web.numbered import BoxShown
+from roah_rsbb.web.own_pages import FromOwnPage
 from roah_rsbb.web.pairing import JUDGE, ORGANISER, DeviceSession
+from roah_rsbb.wording import device
+from roah_rsbb.wording.device import role_text
+from roah_rsbb.wording.language import tr, tr_said
 
 MAX_TEXT = 500
 _MAX_WHOLE = 2**31 - 1
@@ -106,3 +119,109 @@ def _of_session(action: Action, session: DeviceSession) -> Dict[str, str]:
     if action.roles == JUDGES:
         own["judge"] = session.person
     return {field.name: own[field.name] for field in action.fields if field.name in own}
+
+
+_RESULTS: Dict[str, Any] = {SHEET: RunSheet, JUDGING: JudgedRun, DEVICES: DevicesSeen}
+
+
+class BoxCommanded(BoxShown, Protocol):
+    """A box that is shown and commanded: a `client.Client`, or what stands for one in the box's process."""
+
+    def start(self) -> None:
+        """Begin to connect."""
+
+    def close(self) -> None:
+        """End the connection."""
+
+    def call(self, name: str, **arguments: Any) -> "Future[Answer]":
+        """Make a call."""
+
+    def stop(self, zone: str, run: str, **arguments: Any) -> "Future[Answer]":
+        """Stop a run."""
+
+
+class PageCalls:
+    """Makes the calls. STOP has a connection of its own, so it waits for no other."""
+
+    def __init__(self, client: BoxCommanded, node: str) -> None:
+        """`node`: the name of this program, for the records."""
+        self._client, self._node = client, node
+
+    async def carry_out(self, command: Command) -> Outcome:
+        """Carry a command out. Without an answer within some seconds, its outcome is not known; a later one is ignored.
+        The page of a device waits a little longer."""
+        name, arguments = call_of(command)
+        call = self._client.stop if name == STOP else functools.partial(self._client.call, name)
+        answer = await asyncio.wrap_future(call(**arguments, node=self._node))
+        if not answer.is_answered:
+            return Outcome((self._client.why,) if self._client.why else (), is_known=False)
+        kind = _RESULTS.get(command.name)
+        result = answer.answer if kind is None or answer.reasons else read(kind, answer.answer)
+        return Outcome(answer.reasons, is_confirmed=answer.is_known, result=result)
+
+
+def call_of(command: Command) -> Tuple[str, Dict[str, Any]]:
+    """Return the call of a command, and its arguments (docs/door.md, "Calls")."""
+    fields, session = command.fields, command.session
+    if command.name in OF_BOX:
+        return command.name, {**fields, "by": session.who}
+    run = {"zone": command.zone, "run": fields["identity"], "by": session.who}
+    if command.name == JUDGING:
+        return "judges", {**run, "judge": session.person}
+    if command.name in (STOP, SHEET):
+        return command.name, run
+    # A mark has the device in a field of its own; of all else it is a part of the name.
+    by = session.person if "device" in fields["given"] else session.who
+    return "act", {**run, "by": by, "action": command.name, "event": fields["event_id"], "given": fields["given"]}
+
+
+class CommandHandler(FromOwnPage):
+    """Takes a command of a paired device."""
+
+    def is_allowed(self) -> bool:
+        """A STOP of a paired device is never one request too many: a frightened person presses often."""
+        return (self.path_args == [STOP] and self.session() is not None) or super().is_allowed()
+
+    async def post(self, name: str) -> None:
+        """Carry it out, and answer with the outcome.
+
+        200: it was carried out. 202: so it was, but it is not on all disks yet, and why. 409: it was refused, and why.
+        504: there was no answer, so it may have been.
+        """
+        status, answer = await carried_out(self._server, self.needed_session(), name, self.body, self.language())
+        self.set_status(status)
+        self.finish(answer)
+
+
+async def carried_out(
+    server: Any, session: DeviceSession, name: str, body: Dict[str, Any], language: str,
+) -> Tuple[int, Dict[str, Any]]:
+    """Carry out a command of a device. Returns the status and the answer, see `CommandHandler.post`."""
+    speaking = functools.partial(server.store.speaking, language)
+    try:
+        command = command_of(name, body, session)
+    except BadCommand as bad:
+        with speaking():
+            return 400, {"reasons": [tr_said(bad.args[0])]}
+    if not may(command):
+        with speaking():
+            return 403, {"reasons": [tr(device.NOT_ALLOWED, role=role_text(*session.grant))]}
+    outcome = await server.command(command)
+    with speaking():
+        reasons = [tr_said(reason) for reason in outcome.reasons]
+        if not outcome.is_known:
+            return 504, {"reasons": reasons or [tr(device.NO_ANSWER)]}
+        if reasons:
+            return 409 if outcome.is_confirmed else 202, {"reasons": reasons}
+        return 200, _shown(command, outcome.result, server.desk.box.now().utc)
+
+
+def _shown(command: Command, result: Any, now_s: float) -> Dict[str, Any]:
+    """Return what the device may see of the result of a command."""
+    if command.name == DEVICES:
+        return devices_page(result, now_s)
+    if command.name == SHEET:
+        return whole_sheet_page(result)
+    if command.name == JUDGING:
+        return (own_sheet if command.session.grant.role == JUDGE else side_by_side)(result)
+    return result or {}

@@ -7,7 +7,18 @@ the one before and so notices changes that it missed. A document is always compl
 import json
 import logging
 import uuid
-from typing import Any, Callable, Dict, NamedTuple, Optional, Protocol, Sequence, Set, Tuple
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    List,
+    NamedTuple,
+    Optional,
+    Protocol,
+    Sequence,
+    Set,
+    Tuple,
+)
 
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
@@ -143,3 +154,33 @@ class Numbered:
             self._documents[key] = NumberedDocument(before.number + 1, text)
             self.changes += 1
             self._pieces.pop(key, None)
+
+
+class Viewer:
+    """A reader of some documents. Ask `next` for a message only when the one before is sent."""
+
+    def __init__(self, store: Numbered, keys: List[Key]) -> None:
+        self._store = store
+        self._keys = keys
+        self._sent: Optional[Dict[Key, int]] = None  # the number of each document; None: nothing was sent
+        self._beat_is_due = False
+
+    def beat(self) -> None:
+        """The reader is to be sent the clock."""
+        self._beat_is_due = True
+
+    def next(self, made: Optional[Made] = None) -> Optional[str]:
+        """Return the next message; None: nothing is to be sent. `made`: what other readers were sent at this moment."""
+        made = {} if made is None else made
+        numbers = {key: self._store.document(key).number for key in self._keys}
+        if self._sent is None:
+            self._sent = numbers
+            return self._store.message("snapshot", self._keys, made)
+        if self._sent != numbers:
+            changed = [key for key in self._keys if self._sent[key] != numbers[key]]
+            self._sent = numbers
+            return self._store.message("change", changed, made)
+        if self._beat_is_due:
+            self._beat_is_due = False
+            return self._store.beat(self._keys, made)
+        return None

@@ -9,7 +9,7 @@ import hashlib
 import secrets
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.web.kept_file import Save, SavedBeside
+from roah_rsbb.ground.kept_file import Save, SavedBeside
 from roah_rsbb.web.limits import Rates
 from roah_rsbb.wording import device, sheets
 from roah_rsbb.wording.language import tr
@@ -255,3 +255,31 @@ def _session_of(record: Dict[str, Any]) -> "tuple[str, DeviceSession]":
     return record["token_sha256"], DeviceSession(
         str(record["id"]), Grant(role, zone), str(record["person"]), str(record["device"]),
         float(record["paired_utc"]), float(record["seen_utc"]), record.get("is_encrypted") is True)
+
+
+INSTALL = "sudo apt install python3-qrcode"  # pip installs it with the box
+# Light modules around the code, which readers need.
+_BORDER = 2
+
+
+def modules_of(text: str) -> Optional[List[List[bool]]]:
+    """Return the rows of a text's QR code with its border. True: a dark module. None: the library is not installed."""
+    try:
+        import qrcode
+    except ImportError:
+        return None
+    code = qrcode.QRCode(border=_BORDER, error_correction=qrcode.constants.ERROR_CORRECT_M)
+    code.add_data(text)
+    code.make(fit=True)
+    return code.get_matrix()
+
+
+def lines_of(text: str) -> List[str]:
+    """Return a text's QR code for a terminal: light on dark, two rows of modules in a line. Empty: no library."""
+    rows = modules_of(text)
+    if rows is None:
+        return []
+    if len(rows) % 2:
+        rows = [*rows, [False] * len(rows[0])]
+    blocks = {(False, False): "█", (False, True): "▀", (True, False): "▄", (True, True): " "}
+    return ["".join(blocks[pair] for pair in zip(upper, lower)) for upper, lower in zip(rows[::2], rows[1::2])]

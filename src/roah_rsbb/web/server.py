@@ -1,7 +1,7 @@
 """The gateway's web server: pages, data for programs, and a WebSocket for each reader of live data (docs/web.md).
 
 Reading is open to everybody who reaches the port. Nothing that a reader sends is stored or takes much time. Only a
-paired device may write (`writing`).
+paired device may write (`own_pages.py`, `commands.py`).
 """
 
 import asyncio
@@ -15,32 +15,27 @@ from typing import Any, Awaitable, Callable, FrozenSet, Iterable, List, Mapping,
 from tornado import web
 
 from roah_rsbb.document.calls import Call
-from roah_rsbb.web.box_page.requests import PairingsHandler
-from roah_rsbb.web.commands import Command, Outcome
-from roah_rsbb.web.desk import Desk
-from roah_rsbb.web.displays.listed import PAGES as DISPLAYS
-from roah_rsbb.web.displays.listed import Display, Displays, Setting
-from roah_rsbb.web.displays.logos import LogoHandler
-from roah_rsbb.web.displays.requests import DisplaysHandler
-from roah_rsbb.web.documents import DATA
-from roah_rsbb.web.encryption.tls import EncryptedServer
-from roah_rsbb.web.events import EventsHandler, Reader
-from roah_rsbb.web.guarded import FileHandler, Guarded, policy
+from roah_rsbb.web.commands import Command, CommandHandler, Outcome
+from roah_rsbb.web.device_documents import Desk
+from roah_rsbb.web.displays import PAGES as DISPLAYS
+from roah_rsbb.web.displays import Display, Displays, DisplaysHandler, LogoHandler, Setting
 from roah_rsbb.web.limits import Places, Rates
 from roah_rsbb.web.numbered import Made, report_once
+from roah_rsbb.web.own_pages import OfDevice, PairHandler, PairingsHandler, SessionHandler
 from roah_rsbb.web.pairing import Codes, DeviceSession, Guesses, Sessions
-from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, bind, set_headers
-from roah_rsbb.web.store import Store
-from roah_rsbb.web.teams.codes import TeamCodes
-from roah_rsbb.web.teams.requests import CODE, CodesHandler, TeamHandler
-from roah_rsbb.web.writing import (
-    CommandHandler,
-    DeviceEventsHandler,
-    OfDevice,
-    PairHandler,
-    SessionHandler,
-    StopEventsHandler,
+from roah_rsbb.web.public_documents import DATA, Store
+from roah_rsbb.web.readers import DeviceEventsHandler, EventsHandler, Reader, StopEventsHandler
+from roah_rsbb.web.serving import (
+    MAX_MESSAGE_BYTES,
+    BoundedServer,
+    EncryptedServer,
+    FileHandler,
+    Guarded,
+    bind,
+    policy,
+    set_headers,
 )
+from roah_rsbb.web.teams import CODE, CodesHandler, TeamCodes, TeamHandler
 from roah_rsbb.wording.device import TOO_MANY_TEAM_GUESSES
 
 # They have STOP, and one script. Others have STOP on a paired device, which may come to them in a run.

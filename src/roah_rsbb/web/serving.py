@@ -1,23 +1,34 @@
 """A web server that bad clients cannot keep from serving others: few connections, short requests, clear errors.
 
-The gateway and the tablet's page use it.
+The gateway and the tablet's page use it. `Guarded` is what every handler does first: it refuses requests for other
+names, and too many of them. `EncryptedServer` takes connections with and without TLS at one port (docs/web.md,
+"Encryption").
 """
 
 import asyncio
+import base64
+import contextlib
 import copy
 import errno
 import functools
+import hashlib
+import logging
 import os
+import re
 import socket
+import ssl
 import struct
 import zlib
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
-from tornado import httpserver, iostream, netutil, web, websocket
+from tornado import httpserver, httputil, iostream, netutil, web, websocket
 
-from roah_rsbb.web.limits import ConnectionPlaces
+from roah_rsbb.comm import sockets
+from roah_rsbb.web.limits import ConnectionPlaces, is_own_host
 
-ANY_HOST = "0.0.0.0"
+LOOPBACK = "127.0.0.1"
+# How often it is tried to open a port.
+RETRY_S = 3.0
 MAX_MESSAGE_BYTES = 1024
 # An objection of 300 characters, in any script, and who objects.
 _MAX_BODY_BYTES = 4 * 1024
@@ -39,6 +50,25 @@ _PING = 0x9
 STUCK_S = 20.0
 # The system would otherwise hold megabytes for a reader that does not read.
 SEND_BUFFER_BYTES = 64 * 1024
+# The first byte of a connection with TLS: a handshake record.
+_HANDSHAKE = b"\x16"
+
+TOO_MANY_REQUESTS, _MISDIRECTED = 429, 421
+
+_HEADERS = {
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Server": "roah_rsbb",
+}
+# Pages load and run nothing from other sites, have no scripts within the page but the one that is named, and no other
+# site may show them in a frame. The WebSocket is named because older browsers do not count it as 'self'.
+_POLICY = (
+    "default-src 'none'; script-src {scripts}; style-src 'self'; img-src 'self'; font-src 'self'; "
+    "connect-src 'self' ws://{host} wss://{host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+
+_log = logging.getLogger(__name__)
 
 
 class ServeError(OSError):
@@ -214,7 +244,7 @@ def bind(host: str, port: int, what: str, name: str) -> List[socket.socket]:
     Raises `ServeError`. `what` is served; `name` is the beginning of the parameters NAME_host and NAME_port.
     """
     try:
-        return netutil.bind_sockets(port, None if host == ANY_HOST else host, socket.AF_INET, BACKLOG)
+        return netutil.bind_sockets(port, None if host == sockets.ANY_HOST else host, socket.AF_INET, BACKLOG)
     except OSError as error:
         raise ServeError(
             error.errno, f"cannot serve {what} on {host}:{port}: {_remedy(error, port, name)}") from error
@@ -256,3 +286,130 @@ def _remedy(error: OSError, port: int, name: str) -> str:
     if error.errno == errno.EADDRNOTAVAIL:
         return f"that is not an address of this machine: correct {name}_host"
     return os.strerror(error.errno or 0)
+
+
+class Guarded(web.RequestHandler):
+    """A handler that only answers requests for this computer, and not too many of them."""
+
+    _server: Any  # a WebServer
+
+    def prepare(self) -> None:
+        """Refuse what no browser in the hall would ask."""
+        if not self.is_allowed():
+            raise web.HTTPError(TOO_MANY_REQUESTS, reason="Too Many Requests")
+        if not is_own_host(self.request.host, self._server.names):
+            raise web.HTTPError(_MISDIRECTED, reason="Misdirected Request")
+
+    def is_allowed(self) -> bool:
+        """Whether this is not one request too many."""
+        return self._server.rates.allows(self._server.now(), self.request.remote_ip or "")
+
+    def set_default_headers(self) -> None:
+        set_headers(self, {**_HEADERS, "Content-Security-Policy": policy(self.request)})
+
+    def write_error(self, status_code: int, **_kwargs: Any) -> None:
+        """Answer with a line that names the remedy; never with what happened inside."""
+        self.set_header("Content-Type", "text/plain; charset=utf-8")
+        if status_code == TOO_MANY_REQUESTS:
+            self.set_header("Retry-After", "5")
+        self.finish({
+            _MISDIRECTED: "Open this page by the address of the box's computer, or add its name to web_names.\n",
+            TOO_MANY_REQUESTS: "This address asks too often: try again in some seconds.\n",
+            404: "There is no such page. The address / lists all pages.\n",
+        }.get(status_code, f"{status_code} {self._reason}\n"))
+
+
+class FileHandler(Guarded, web.StaticFileHandler):
+    """The files of the pages."""
+
+    def initialize(self, server: Any, path: str, default_filename: Optional[str] = None) -> None:
+        self._server = server
+        super().initialize(path, default_filename)
+
+    def set_extra_headers(self, path: str) -> None:
+        self.set_header("Cache-Control", "no-cache")
+
+
+def policy(request: httputil.HTTPServerRequest, script: str = "") -> str:
+    """Return what the answer to a request may load and run. `script`: the text of one within the page."""
+    checksum = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    return _POLICY.format(scripts=f"'self' 'sha256-{checksum}'" if script else "'self'", host=_plain_host(request))
+
+
+def _plain_host(request: httputil.HTTPServerRequest) -> str:
+    """The host of a request for a header; anything but a host and a port is left out."""
+    return request.host if re.fullmatch(r"[\w.:\[\]-]+", request.host, re.ASCII) else "invalid"
+
+
+class EncryptedServer(BoundedServer):
+    """A server that takes TLS. Connections without TLS are given to another server."""
+
+    def initialize(self, *args: Any, context: ssl.SSLContext, plain: httpserver.HTTPServer, **options: Any) -> None:
+        """`plain` serves connections without TLS; it must not listen itself."""
+        super().initialize(*args, **options)
+        self._context = context
+        self._plain = plain
+        self._silent: Dict[socket.socket, asyncio.TimerHandle] = {}  # connections that sent nothing yet
+        self._silent_places: ConnectionPlaces[socket.socket] = ConnectionPlaces(self._drop)
+
+    def stop(self) -> None:
+        """Stop listening, and close the connections that sent nothing yet."""
+        super().stop()
+        for connection in list(self._silent):
+            self._drop(connection)
+
+    def _serve(self, connection: socket.socket, address: Any) -> None:
+        """Wait for the first byte of a connection."""
+        loop = asyncio.get_event_loop()
+        self._silent[connection] = loop.call_later(IDLE_S, self._drop, connection)
+        loop.add_reader(connection, self._on_first_byte, connection, address)
+        self._silent_places.add(connection, address[0])
+
+    def know(self, stream: Optional[iostream.IOStream], address: str) -> None:
+        """As `BoundedServer.know`."""
+        super().know(stream, address)
+        self._silent_places.know(None, address)
+
+    def _drop(self, connection: socket.socket) -> None:
+        self._forget(connection)
+        connection.close()
+
+    def _forget(self, connection: socket.socket) -> None:
+        self._silent.pop(connection).cancel()
+        self._silent_places.remove(connection)
+        asyncio.get_event_loop().remove_reader(connection)
+
+    def _on_first_byte(self, connection: socket.socket, address: Any) -> None:
+        try:
+            first = connection.recv(1, socket.MSG_PEEK)
+        except (BlockingIOError, InterruptedError):
+            return
+        except OSError:
+            first = b""
+        self._forget(connection)
+        if not first:
+            connection.close()
+        elif first == _HANDSHAKE:
+            with contextlib.suppress(OSError):  # it has gone
+                secured = self._context.wrap_socket(connection, server_side=True, do_handshake_on_connect=False)
+                self.handle_stream(iostream.SSLIOStream(secured), address)
+        else:
+            self._plain.handle_stream(iostream.IOStream(connection), address)
+
+
+def retry_until_open(loop: asyncio.AbstractEventLoop, open_it: Callable[[], None], reported: str = "") -> None:
+    """Call `open_it` until it raises no OSError. Each problem is logged once, with its remedy."""
+    try:
+        open_it()
+    except OSError as error:
+        if str(error) != reported:
+            _log.error("%s. Retrying every %.0f s", error, RETRY_S)
+        loop.call_later(RETRY_S, retry_until_open, loop, open_it, str(error))
+
+
+def hosts_of(host: str, rsbb_host: str) -> List[str]:
+    """Return the addresses at which a port of `host` is reached: that in the robots' network first."""
+    if host != sockets.ANY_HOST:
+        return [host]
+    network = sockets.source_host(rsbb_host)
+    return [network, LOOPBACK] if network not in (None, LOOPBACK) else [LOOPBACK]

@@ -305,14 +305,14 @@ class CopyThatTakesTheDiskOfTheBoxForItsOwn(Copy):
 
 
 class KeptFile:
-    """A file of the web gateway: `web/kept_file.py`."""
+    """A file of the web gateway: `ground/kept_file.py`."""
 
     LIVES = (15, 15, 10)
 
     @staticmethod
     def opened(folder: str, reports: List[str]):
         """Return what saves the file, and its content."""
-        from roah_rsbb.web.kept_file import open_kept
+        from roah_rsbb.ground.kept_file import open_kept
 
         return open_kept(folder, "settings.json", lambda save, content: (save, content), [], reports.append, "")
 

@@ -16,7 +16,7 @@ from helpers.shown_box import zone_of
 from roah_rsbb.document.calls import WEB_CALLS, Caller, InThread
 from roah_rsbb.ground.params import BadParams
 from roah_rsbb.model.reason import Refused
-from roah_rsbb.web import opening, pairing_calls
+from roah_rsbb.web import gateway, serving
 from roah_rsbb.web.gateway import Gateway, GatewayHost
 from roah_rsbb.web.pairing import FILE
 
@@ -102,7 +102,7 @@ def test_it_serves_the_pages_of_the_box_and_ends(world):
 
 def test_a_port_that_is_taken_is_tried_again(world, running, tmp_path, caplog, monkeypatch):
     world.start()
-    monkeypatch.setattr(opening, "RETRY_S", 0.01)
+    monkeypatch.setattr(serving, "RETRY_S", 0.01)
     second = World(running, tmp_path / "second")
     second.make(web_port=world.port).start()
     assert not second.urls and [record.levelname for record in caplog.records] == ["ERROR"]
@@ -188,8 +188,8 @@ def test_what_cannot_be_saved_names_the_remedy(world, monkeypatch):
         world.call("revoke")
     with pytest.raises(Refused, match="cannot be saved"):
         world.call("team_codes", renew=True)
-    monkeypatch.setattr(pairing_calls, "DISK_S", 0.01)
-    monkeypatch.setattr("roah_rsbb.web.kept_file.durable.write_file", lambda path, content: time.sleep(0.3))
+    monkeypatch.setattr(gateway, "DISK_S", 0.01)
+    monkeypatch.setattr("roah_rsbb.ground.kept_file.durable.write_file", lambda path, content: time.sleep(0.3))
     world.folder.unlink()
     with pytest.raises(Refused, match="cannot be saved .the disk takes no data"):
         world.call("team_codes", renew=True)

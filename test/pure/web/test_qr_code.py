@@ -4,14 +4,14 @@ import builtins
 
 import pytest
 
-from roah_rsbb.web import qr_code
+from roah_rsbb.web import pairing
 
 URL = "http://192.168.100.200:8081/pair#ABCD-EFGH-JKMNPQRSTUVWXYZ2"
 
 
 def test_a_terminal_shows_each_module():
     pytest.importorskip("qrcode")
-    rows, lines = qr_code.modules_of(URL), qr_code.lines_of(URL)
+    rows, lines = pairing.modules_of(URL), pairing.lines_of(URL)
     dark = {"█": (False, False), "▀": (False, True), "▄": (True, False), " ": (True, True)}
     shown = [[dark[sign][half] for sign in line] for line in lines for half in (0, 1)]
     assert shown[:len(rows)] == rows
@@ -27,4 +27,4 @@ def test_without_the_library_there_is_no_code(monkeypatch):
         return imported(name, *rest, **more)
 
     monkeypatch.setattr(builtins, "__import__", without)
-    assert qr_code.modules_of(URL) is None and qr_code.lines_of(URL) == []
+    assert pairing.modules_of(URL) is None and pairing.lines_of(URL) == []

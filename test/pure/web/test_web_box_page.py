@@ -15,15 +15,23 @@ from roah_rsbb.model.messages import DevicesSeen, DevicesState
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.results import EventSeen, HistoryEntry, Judging, RunEnd, RunLine, RunSheet, UnsavedParts
 from roah_rsbb.model.zone import AllRobots, Count, RobotInRun, RunClock
-from roah_rsbb.web.box_page import documents
-from roah_rsbb.web.box_page.documents import PARTS, devices_page, may_show, whole_sheet_page
-from roah_rsbb.web.calls import call_of
-from roah_rsbb.web.commands import BadCommand, Outcome, command_of, may
-from roah_rsbb.web.desk import Desk
+from roah_rsbb.web.commands import BadCommand, Outcome, call_of, command_of, may
+from roah_rsbb.web.device_documents import (
+    MAX_EVENTS,
+    MAX_HISTORY,
+    MAX_LOG,
+    MAX_ROBOTS,
+    MAX_RUNS,
+    PARTS,
+    Desk,
+    devices_page,
+    may_show,
+    whole_sheet_page,
+)
+from roah_rsbb.web.own_pages import COOKIE
 from roah_rsbb.web.pairing import DeviceSession, Grant
+from roah_rsbb.web.public_documents import Store
 from roah_rsbb.web.server import WebServer
-from roah_rsbb.web.store import Store
-from roah_rsbb.web.writing import COOKIE
 from roah_rsbb.wording.whole_box import AWAY
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
@@ -139,7 +147,7 @@ def test_the_schedule_says_why_an_event_cannot_be_chosen_and_what_is_left(world)
 def test_a_long_schedule_is_cut_around_the_current_event(world):
     events = [event_of(number, current=number == 900) for number in range(1, 1001)]
     shown = world.part("schedule", schedule={one.id: one for one in events})
-    assert len(shown["events"]) == documents.MAX_EVENTS and shown["hidden"] == 1000 - documents.MAX_EVENTS
+    assert len(shown["events"]) == MAX_EVENTS and shown["hidden"] == 1000 - MAX_EVENTS
     assert "Home 900" in [one["id"] for one in shown["events"]]
     shown = world.part("schedule", schedule={one.id: one for one in events[:5]})
     assert len(shown["events"]) == 5 and shown["hidden"] == 0
@@ -155,11 +163,11 @@ def test_robots_with_their_link_skew_and_zone(world):
         ["Alpha", "R", "▮▮▮ good", "+0.150 s", "Home", "just now"],
         ["Beta", "S", "▮▯▯ poor, 4.0 s", "+0.000 s", "–", "4 s ago"],
         ["Gamma", "T", "▯▯▯ silent", "+0.000 s", "Yard", "40 s ago"]]
-    many = {str(n): RobotSeen(str(n), "R", 0.0) for n in range(documents.MAX_ROBOTS + 3)}
+    many = {str(n): RobotSeen(str(n), "R", 0.0) for n in range(MAX_ROBOTS + 3)}
     assert world.part("robots", robots=many)["hidden"] == 0, "it is made once a second at most"
     world.box.mono += 1.0
     shown = world.again("robots")
-    assert (len(shown["robots"]), shown["hidden"]) == (documents.MAX_ROBOTS, 3)
+    assert (len(shown["robots"]), shown["hidden"]) == (MAX_ROBOTS, 3)
 
 
 def test_a_gap_of_a_link_is_shown_for_ten_seconds_also_if_it_was_before_the_part_was_opened(world):
@@ -185,17 +193,17 @@ def test_all_runs_of_the_zone_also_those_that_are_signed_off(world):
     box = world.box.document.box._replace(unsaved=(UnsavedParts("Home 1", "Home", sign_off=True),))
     world.box.document = world.box.document._replace(box=box)
     assert world.again("runs")["runs"][2]["sheet"].startswith("⚠ not saved yet; signed off by ")
-    many = [run_of(n) for n in range(documents.MAX_RUNS + 2)]
+    many = [run_of(n) for n in range(MAX_RUNS + 2)]
     shown = world.part("runs", results={one.identity: one for one in many})
     assert (len(shown["runs"]), shown["hidden"], shown["runs"][0]["identity"]) == (
-        documents.MAX_RUNS, 2, f"Home {documents.MAX_RUNS + 1}"), "the newest"
+        MAX_RUNS, 2, f"Home {MAX_RUNS + 1}"), "the newest"
 
 
 def test_only_the_end_of_a_log_is_sent(world):
     log = "".join(f"08:00:00Z line {number}\n" for number in range(2000))
     world.box.show(zone_of(log=log, online_data="08:00:01Z said\n"))
     shown = world.part("log")
-    assert shown["log"].endswith("line 1999\n") and len(shown["log"]) <= documents.MAX_LOG
+    assert shown["log"].endswith("line 1999\n") and len(shown["log"]) <= MAX_LOG
     assert shown["log"].splitlines()[0].partition(" ")[2].startswith("line "), "it begins with a whole line"
     assert shown["online"].endswith(" said\n") and shown["of"] == "Home kx2"
 
@@ -219,11 +227,11 @@ def test_the_box_with_its_warnings_and_the_tablet(world):
 
 def test_a_sheet_with_its_history_and_ends():
     entries = tuple(HistoryEntry(n, NOW, "Anna (/node)", "Penalized", "Bumps", "uint", 0, False, 1, False,
-                                 withdrawn_utc_s=NOW if n == 1 else None) for n in range(1, documents.MAX_HISTORY + 3))
+                                 withdrawn_utc_s=NOW if n == 1 else None) for n in range(1, MAX_HISTORY + 3))
     end = RunEnd(1, NOW, "Anna (/node)", "stopped", "Stopped", "it fell", "Bert")
     shown = whole_sheet_page(RunSheet(run_of(1), ("R",), 61.5, (), entries, (end,)))
     history = shown["history"]
-    assert (len(history), history[0]["number"]) == (documents.MAX_HISTORY, len(entries)), "the newest first"
+    assert (len(history), history[0]["number"]) == (MAX_HISTORY, len(entries)), "the newest first"
     assert "Anna: Penalized: Bumps: 0 → 1" in history[0]["text"] and not history[0]["is_withdrawn"]
     assert shown["ends"][0]["text"].endswith("Anna · Stopped") and shown["ends"][0]["reason"] == "it fell (Bert)"
     assert shown["facts"] == ["1:01.5", "R"]

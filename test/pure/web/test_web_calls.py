@@ -10,8 +10,7 @@ from roah_rsbb.client.client import UNANSWERED, Answer
 from roah_rsbb.document.written import write
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.results import JudgedRun, Judging, RunLine, RunSheet
-from roah_rsbb.web.calls import PageCalls, call_of
-from roah_rsbb.web.commands import Outcome, command_of
+from roah_rsbb.web.commands import Outcome, PageCalls, call_of, command_of
 from roah_rsbb.web.pairing import REFEREE, DeviceSession, Grant
 
 WHO = {"by": "Anna, Linux id", "node": "/web"}

@@ -13,14 +13,14 @@ from helpers.public_box import PublicBox
 from roah_rsbb.model.results import DIFFER, Given, JudgedItem, JudgedRun, Judging, RunLine, RunSheet
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.web.commands import FIELDS, BadCommand, Outcome, command_of, may
-from roah_rsbb.web.displays.listed import Displays
-from roah_rsbb.web.events import EventsHandler, Reader
+from roah_rsbb.web.displays import Displays
 from roah_rsbb.web.limits import Rates
+from roah_rsbb.web.own_pages import COOKIE
 from roah_rsbb.web.pairing import SESSION_VALID_S, DeviceSession, Grant, Sessions
+from roah_rsbb.web.public_documents import Store
+from roah_rsbb.web.readers import MOST_STOPS, DeviceEventsHandler, EventsHandler, Reader
 from roah_rsbb.web.server import NOT_PAIRED, WebServer
-from roah_rsbb.web.store import Store
-from roah_rsbb.web.teams.codes import TeamCodes
-from roah_rsbb.web.writing import COOKIE, MOST_STOPS, DeviceEventsHandler
+from roah_rsbb.web.teams import TeamCodes
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
 MARK = {"zone": "Home", "identity": "run", "id": "1", "group": "g", "desc": "d", "added": "1"}

@@ -11,10 +11,9 @@ from helpers.shown_box import MONO, NOW, ShownBox, zone_of
 from roah_rsbb.core.actions.runs import SIGNED_OFF
 from roah_rsbb.model.results import Judging, RunLine
 from roah_rsbb.model.zone import Count, RunClock
-from roah_rsbb.web import zone_documents
-from roah_rsbb.web.desk import NO_STOP, STOP, Desk
-from roah_rsbb.web.store import Store
-from roah_rsbb.web.zone_documents import MAX_UNSIGNED
+from roah_rsbb.web import device_documents
+from roah_rsbb.web.device_documents import MAX_UNSIGNED, NO_STOP, STOP, Desk
+from roah_rsbb.web.public_documents import Store
 
 KEY = ("page.zone", "en", "Home")
 CLOCK = ("page.clock", "en", "Home")
@@ -115,8 +114,9 @@ def test_the_clock_stands_while_the_box_is_silent(desk):
 def test_only_what_has_changed_is_made_again(desk, monkeypatch):
     made = []
     for name in ("zone_page", "zones_page", "clock_page", "stop_page"):
-        real = getattr(zone_documents, name)
-        monkeypatch.setattr(zone_documents, name, lambda *what, name=name, real=real: made.append(name) or real(*what))
+        real = getattr(device_documents, name)
+        monkeypatch.setattr(device_documents, name, lambda *what, name=name, real=real: (
+            made.append(name) or real(*what)))
     home, hall = zone_of(clock=RUNNING), zone_of("Hall")
     desk.put(home, hall)
     made.clear()
@@ -246,15 +246,15 @@ def test_a_zone_that_is_gone_is_shown_no_more(desk):
     "name, key", [("zone_page", "page.zone"), ("zones_page", "page.zones"), ("clock_page", "page.clock")])
 def test_a_document_that_cannot_be_made_costs_no_other_phone_anything(desk, monkeypatch, caplog, name, key):
     """In a language whose texts raise, as the German ones of a manual operation once did."""
-    real = getattr(zone_documents, name)
+    real = getattr(device_documents, name)
 
     def make(*what):
-        if zone_documents.sheets.phase("idle") != "NOT CONNECTED":
+        if device_documents.sheets.phase("idle") != "NOT CONNECTED":
             raise TypeError(f"{name}: tr() got multiple values for argument 'text'")
         return real(*what)
 
     desk.show([("de", "Home"), ("en", "Home")])
-    monkeypatch.setattr(zone_documents, name, make)
+    monkeypatch.setattr(device_documents, name, make)
     for n in range(1, 4):
         desk.put(zone_of(identity=f"run {n}", team=f"Team {n}", clock=RunClock(600.0, Count(10.0 * n, MONO))))
         desk.pass_time(1.0)
@@ -264,13 +264,13 @@ def test_a_document_that_cannot_be_made_costs_no_other_phone_anything(desk, monk
     assert (data(desk)["team"], data(desk, CLOCK)["main"]["text"]) == ("Team 3", "9:27")
     assert data(desk, (STOP, "Home"))["zones"][0]["identity"] == "run 3"
     assert len(caplog.records) == 1, "it is logged once"
-    monkeypatch.setattr(zone_documents, name, real)
+    monkeypatch.setattr(device_documents, name, real)
     assert desk.look()
     assert data(desk, (key, "de", "Home") if key != "page.zones" else (key, "de")) is not None
 
 
 def test_a_stop_document_that_cannot_be_made_costs_nothing_else(desk, monkeypatch):
-    monkeypatch.setattr(zone_documents, "stop_page", lambda *shown: 1 / 0)
+    monkeypatch.setattr(device_documents, "stop_page", lambda *shown: 1 / 0)
     desk.put(zone_of(identity="run 2"))
     assert data(desk, (STOP, "")) is None and data(desk)["identity"] == "run 2"
 

@@ -10,8 +10,10 @@ from tornado import websocket
 
 from helpers.http_clients import HOST, HttpClients
 from helpers.public_box import PublicBox, event, run
-from roah_rsbb.web.displays.listed import (
+from roah_rsbb.ground.kept_file import SavedBeside, open_kept
+from roah_rsbb.web.displays import (
     FILE,
+    MAX_BYTES,
     MAX_LISTED,
     MAX_OF_ADDRESS,
     MAX_SET,
@@ -21,14 +23,13 @@ from roah_rsbb.web.displays.listed import (
     Setting,
     TooMany,
     display_of,
+    read_logos,
     setting_of,
 )
-from roah_rsbb.web.displays.logos import MAX_BYTES, read_logos
-from roah_rsbb.web.kept_file import SavedBeside, open_kept
+from roah_rsbb.web.own_pages import COOKIE
 from roah_rsbb.web.pairing import MAX_NAME, Grant
+from roah_rsbb.web.public_documents import Store
 from roah_rsbb.web.server import WebServer
-from roah_rsbb.web.store import Store
-from roah_rsbb.web.writing import COOKIE
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
 UTC = 1_800_000_000.0
@@ -231,10 +232,10 @@ def test_a_display_that_is_closed_leaves_the_list(served):
 
 
 def test_displays_show_their_names_for_a_moment(served, monkeypatch):
-    monkeypatch.setattr("roah_rsbb.web.displays.listed.NAMED_S", 0.0)
+    monkeypatch.setattr("roah_rsbb.web.displays.NAMED_S", 0.0)
     window = served.opened()
     assert served.read(window)["shows_name"] is False
-    monkeypatch.setattr("roah_rsbb.web.displays.listed.NAMED_S", 0.05)
+    monkeypatch.setattr("roah_rsbb.web.displays.NAMED_S", 0.05)
     assert served.ask({"show_names": True}).code == 200
     assert [served.read(window)["shows_name"] for _ in range(2)] == [True, False]
 

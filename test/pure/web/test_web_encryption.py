@@ -18,11 +18,11 @@ from roah_rsbb.ground import durable
 from roah_rsbb.rulebook.errors import Place, Report
 from roah_rsbb.tools.competition import certificate as maker
 from roah_rsbb.web import limits
-from roah_rsbb.web.encryption.certificate import Certificate, CertificateError, CertificateFiles
+from roah_rsbb.web.certificate import Certificate, CertificateError, CertificateFiles
+from roah_rsbb.web.own_pages import COOKIE, ENCRYPTED_COOKIE
 from roah_rsbb.web.pairing import Grant, Sessions
+from roah_rsbb.web.public_documents import Store
 from roah_rsbb.web.server import WebServer
-from roah_rsbb.web.store import Store
-from roah_rsbb.web.writing import COOKIE, ENCRYPTED_COOKIE
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
 TODAY = datetime.datetime.utcnow().replace(microsecond=0)

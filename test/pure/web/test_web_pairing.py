@@ -8,8 +8,8 @@ import threading
 
 import pytest
 
+from roah_rsbb.ground.kept_file import open_kept
 from roah_rsbb.web import pairing
-from roah_rsbb.web.kept_file import open_kept
 from roah_rsbb.web.pairing import CODE_VALID_S, FILE, SESSION_VALID_S, Codes, Grant, NotPaired, Sessions, TooManyGuesses
 
 GRANT, JUDGE = Grant("referee", "Home"), Grant("judge", "Home")

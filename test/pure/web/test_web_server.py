@@ -12,11 +12,11 @@ from tornado import httpclient, websocket
 
 from helpers.http_clients import BROKEN_REQUESTS, HOST, HttpClients
 from helpers.public_box import PublicBox, event, result, run
-from roah_rsbb.web import events, limits, serving
+from roah_rsbb.web import limits, serving
 from roah_rsbb.web.limits import Places, Rates
+from roah_rsbb.web.numbered import Viewer
+from roah_rsbb.web.public_documents import Store
 from roah_rsbb.web.server import BEAT_S, LOOK_S, WebServer
-from roah_rsbb.web.store import Store
-from roah_rsbb.web.viewer import Viewer
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
 NAMES = frozenset({"localhost", "box.local"})
@@ -220,9 +220,9 @@ def test_a_message_is_made_once_for_all_its_readers(served, monkeypatch):
     assert all(served.read(reader) for reader in readers)
     made, now = [], served.store._now
     monkeypatch.setattr(served.store, "_now", lambda: made.append(1) or now())
-    events.frame.cache_clear()
+    serving.frame.cache_clear()
     served.change()
-    assert (len(made), events.frame.cache_info().misses) == (1, 1)
+    assert (len(made), serving.frame.cache_info().misses) == (1, 1)
     assert all(viewer.busy_since is None for viewer in served.server.viewers), "all was sent at once, without tasks"
     assert all(set(served.read(reader, "change")["documents"]) == {"state"} for reader in readers)
     made.clear()  # a second may have passed

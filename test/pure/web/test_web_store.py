@@ -10,9 +10,8 @@ from helpers.public_box import PublicBox, event, explanation, result, run, stand
 from helpers.shown_box import NOW
 from helpers.time_zones import local_time
 from roah_rsbb.model.document import REPLAY as PREFIX
-from roah_rsbb.web.documents import DATA, PAGE_EXPLAINED, TEXTS
-from roah_rsbb.web.store import Store
-from roah_rsbb.web.viewer import Viewer
+from roah_rsbb.web.numbered import Viewer
+from roah_rsbb.web.public_documents import DATA, PAGE_EXPLAINED, TEXTS, Store
 from roah_rsbb.wording.language import read_texts, translation
 
 SCHEMAS = pathlib.Path(__file__).resolve().parents[3] / "resource" / "web" / "schemas"

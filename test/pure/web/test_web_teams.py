@@ -11,17 +11,16 @@ import pytest
 from helpers.http_clients import HOST, HttpClients
 from helpers.public_box import PublicBox, event, result, run, standing
 from helpers.shown_box import MONO, NOW, zone_of
+from roah_rsbb.ground.kept_file import open_kept
 from roah_rsbb.model.document import RobotSeen
 from roah_rsbb.model.results import EventSeen
 from roah_rsbb.model.zone import RobotInRun
-from roah_rsbb.web.kept_file import open_kept
+from roah_rsbb.web.own_pages import COOKIE
 from roah_rsbb.web.pairing import GUESSES_AT_ONCE, Grant
+from roah_rsbb.web.public_documents import Store
 from roah_rsbb.web.server import WebServer
-from roah_rsbb.web.store import Store
-from roah_rsbb.web.teams.codes import FILE, TeamCodes
-from roah_rsbb.web.teams.requests import ALL, CODE
-from roah_rsbb.web.teams.requests import COOKIE as TEAM_COOKIE
-from roah_rsbb.web.writing import COOKIE
+from roah_rsbb.web.teams import ALL, CODE, FILE, TeamCodes
+from roah_rsbb.web.teams import COOKIE as TEAM_COOKIE
 from roah_rsbb.wording.public import team_facts
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")

@@ -9,12 +9,12 @@ import pytest
 
 from helpers.http_clients import HOST, HttpClients
 from helpers.public_box import PublicBox, event, run
+from roah_rsbb.ground.kept_file import SavedBeside
 from roah_rsbb.web import limits, serving
-from roah_rsbb.web.kept_file import SavedBeside
+from roah_rsbb.web.own_pages import COOKIE, is_own_origin
 from roah_rsbb.web.pairing import GUESSES_AT_ONCE, Grant, NotPaired, Sessions
+from roah_rsbb.web.public_documents import Store
 from roah_rsbb.web.server import WebServer
-from roah_rsbb.web.store import Store
-from roah_rsbb.web.writing import COOKIE, is_own_origin
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
 NAMES = frozenset({"localhost"})

@@ -15,7 +15,7 @@ from support.programs import own, run
 from support.robots import CONFIG
 
 from roah_rsbb.tools.competition.certificate import AUTHORITY, CERTIFICATE, KEY
-from roah_rsbb.web.writing import ENCRYPTED_COOKIE
+from roah_rsbb.web.own_pages import ENCRYPTED_COOKIE
 
 HOST, ZONE, PHONE = "127.0.0.1", "Room", (360, 740)
 TEXT = "document.body.innerText"

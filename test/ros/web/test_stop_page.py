@@ -17,7 +17,7 @@ from support.browser import IS_ALL, Browser, NeedsBrowser, Page, find
 from support.fakes.gateway import LONG, URL, FakeGateway
 from support.waiting import happened, wait_until
 
-from roah_rsbb.web import desk, zone_documents
+from roah_rsbb.web import device_documents
 from roah_rsbb.web.pairing import Grant
 
 SHOTS = pathlib.Path(__file__).resolve().parents[3] / "build" / "screenshots"
@@ -239,7 +239,8 @@ class TestFaults(PhoneCase):
         gateway = self.gateway()
         page = self.phone(gateway)
         for name in ("zone_page", "zones_page", "clock_page"):
-            with self.subTest(document=name), mock.patch.object(zone_documents, name, side_effect=TypeError("broken")):
+            with self.subTest(document=name), mock.patch.object(
+                    device_documents, name, side_effect=TypeError("broken")):
                 gateway.set(phase="running")
                 page.wait(f"{IS_ON}", "STOP is on")
                 if name == "zone_page":
@@ -249,17 +250,17 @@ class TestFaults(PhoneCase):
 
     def test_one_phone_fails_and_the_others_continue(self) -> None:
         gateway = self.gateway()
-        real = zone_documents.zone_page
+        real = device_documents.zone_page
         german = self.phone(gateway, language="de")
         english = self.phone(gateway)
-        says = zone_documents.sheets.phase
+        says = device_documents.sheets.phase
 
         def fails_in_german(*what: Any) -> Any:
             if says("idle") != "NOT CONNECTED":
                 raise TypeError("tr() got multiple values for argument 'text'")
             return real(*what)
 
-        with mock.patch.object(zone_documents, "zone_page", fails_in_german):
+        with mock.patch.object(device_documents, "zone_page", fails_in_german):
             gateway.set(**OPERATION)
             english.wait("document.querySelector('.operation') !== null", "the English phone shows the operation")
             german.wait("document.body.innerText.includes('Web-Gateway')", "the German one says that it cannot")
@@ -284,7 +285,7 @@ class TestFaults(PhoneCase):
         gateway.set(phase="running")
         page = self.phone(gateway)
         page.wait(f"{IS_ON}", "STOP is on")
-        with mock.patch.object(desk.zone_documents, "stop_page", side_effect=TypeError("broken")):
+        with mock.patch.object(device_documents, "stop_page", side_effect=TypeError("broken")):
             gateway.set(warning="Something new")
             page.wait(f"{SAID}.includes('NO LINK')", "it does not know")
             page.get("window.parsed = 0, JSON.parse = (parse => text => (parsed++, parse(text)))(JSON.parse), 0")

@@ -17,10 +17,10 @@ from roah_rsbb.model.fields import form_of
 from roah_rsbb.model.modules import form_of_one
 from roah_rsbb.model.zone import Count, Event, RobotInRun, RunClock, SheetItem, ZoneSeen
 from roah_rsbb.web.commands import Command, Outcome
+from roah_rsbb.web.own_pages import COOKIE
 from roah_rsbb.web.pairing import Grant
+from roah_rsbb.web.public_documents import Store
 from roah_rsbb.web.server import WebServer
-from roah_rsbb.web.store import Store
-from roah_rsbb.web.writing import COOKIE
 from roah_rsbb.wording import language
 from support.browser import Browser, Page
 from support.robots import RSBB_PORT

@@ -5,11 +5,16 @@ limit for each address and one for all. Displays that the organiser has set alwa
 """
 
 import collections
+import os
 import re
 from typing import Any, Callable, Dict, Hashable, Iterable, List, NamedTuple, Optional, Set, Tuple
 
-from roah_rsbb.web.kept_file import Save, SavedBeside
+from roah_rsbb.ground.kept_file import Save, SavedBeside
+from roah_rsbb.web.own_pages import OfOrganiser
 from roah_rsbb.web.pairing import plain
+from roah_rsbb.web.serving import Guarded
+from roah_rsbb.wording import device
+from roah_rsbb.wording.language import tr
 
 ROTATING, RUN, STANDINGS, SCHEDULE, RESULTS = SHOWS = ("rotating", "run", "standings", "schedule", "results")
 PAGES = ("display", "overlay")
@@ -192,3 +197,108 @@ def _setting_of(record: Dict[str, Any]) -> Setting:
     language = record.get("language")
     setting = setting_of(record, [language] if isinstance(language, str) else [])
     return setting._replace(called=plain(record.get("called", "")))
+
+
+TYPES = {".png": "image/png", ".jpg": "image/jpeg", ".svg": "image/svg+xml"}
+MAX_LOGOS = 200
+MAX_BYTES = 1_000_000
+
+
+def read_logos(folder: str, report: Callable[[str], None]) -> Dict[str, str]:
+    """Return the paths of the logos by team. `report` is called for each file that cannot be used."""
+    found: Dict[str, str] = {}
+    try:
+        names = sorted(os.listdir(folder)) if folder else []
+    except OSError as error:
+        report(f"cannot read the logos of the teams in web_logos ({error}): correct web_logos")
+        return found
+    for name in names:
+        team, kind = os.path.splitext(name)
+        path = os.path.join(folder, name)
+        if kind.lower() not in TYPES or not os.path.isfile(path):
+            continue
+        if os.path.dirname(os.path.realpath(path)) != os.path.realpath(folder):
+            report(f"the logo {path} is not shown: it is a link to a file outside of web_logos. Copy the file")
+            continue
+        if os.path.getsize(path) > MAX_BYTES:
+            report(f"the logo {path} is not shown: it has more than 1 MB")
+        elif len(found) < MAX_LOGOS:
+            found[team] = os.path.realpath(path)
+    return found
+
+
+class LogoHandler(Guarded):
+    """The logo of a team."""
+
+    def initialize(self, server: Any) -> None:
+        self._server = server
+
+    def get(self, team: str) -> None:
+        """Return the picture. Only files that were found at the start are served."""
+        path = self._server.store.logos.get(team, "")
+        try:
+            with open(os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0)), "rb") as file:
+                content = file.read(MAX_BYTES)
+        except OSError:
+            self.send_error(404)
+            return
+        self.set_header("Content-Type", TYPES[os.path.splitext(path)[1].lower()])
+        self.set_header("Cache-Control", "max-age=300")
+        self.finish(content)
+
+
+class DisplaysHandler(OfOrganiser):
+    """The list of displays."""
+
+    def get(self) -> None:
+        """Return the list, and what can be chosen."""
+        server = self._server
+        self.finish({
+            "displays": [_row(row) for row in server.displays.rows()],
+            "unlisted": server.displays.unlisted,
+            "zones": sorted(server.desk.zones()), "languages": server.store.known_languages(), "shows": SHOWS,
+            "clock": server.utc(),
+        })
+
+    async def post(self) -> None:
+        """Change what is set for a display, or let all displays show their names.
+
+        A request has only the fields that change: so two organisers do not undo what the other one sets. With
+        `take_back` the page's own address counts again.
+        """
+        if self.body.get("show_names"):
+            self._server.show_display_names()
+            self.finish({})
+            return
+        displays, display_id = self._server.displays, self.text("id")
+        with self._server.store.speaking(self.language()):
+            try:
+                setting = NOTHING_SET if self.body.get("take_back") else setting_of(
+                    {**displays.setting(display_id)._asdict(), **self.body.get("setting", {})},
+                    self._server.store.known_languages())
+                self._server.set_display(display_id, setting)
+            except (ValueError, TypeError) as bad:
+                self.refuse(400, str(bad))
+                return
+            except (KeyError, TooMany) as refused:
+                self.refuse(409, tr(device.NO_SUCH_DISPLAY if isinstance(refused, KeyError)
+                                    else device.TOO_MANY_DISPLAYS))
+                return
+        try:
+            await displays.kept.wait()
+            self.finish({})
+        except OSError as error:
+            with self._server.store.speaking(self.language()):
+                self.refuse(500, tr(device.SETTING_NOT_SAVED, error=error))
+
+
+def _row(row: DisplayRow) -> Dict[str, Any]:
+    display = row.display
+    return {
+        "id": row.id, "name": row.name, "windows": row.windows, "setting": row.setting._asdict(),
+        "is_set": row.setting != NOTHING_SET,
+        "display": None if display is None else {
+            "page": display.page, "name": display.name, "address": display.address, "size": display.size,
+            "since": display.since_utc, "zones": display.zones, "show": display.show, "language": display.language,
+        },
+    }

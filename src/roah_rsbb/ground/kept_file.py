@@ -1,4 +1,4 @@
-"""Files of the gateway: only their user may read them, and each is complete or unchanged after a power cut."""
+"""Files of JSON that a program keeps, for its user only: each is complete or unchanged after a power cut."""
 
 import asyncio
 import concurrent.futures

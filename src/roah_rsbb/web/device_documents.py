@@ -1,0 +1,523 @@
+"""What paired devices are shown of the box, made from its document: a zone, its clock, its score sheet and what can be
+done (docs/web.md, "Referees"), and the parts of the page of the whole box ("The whole box"). No I/O, no clock.
+
+Texts are in the language of the reader. Documents are made only for zones, languages and parts that a connected device
+shows, and again only if what they are made of has changed. All lists are bounded, and what changes with time is made
+once a second at most: nothing here may delay STOP.
+"""
+import functools
+import math
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    List,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+)
+
+from roah_rsbb.document.calls import RING
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.document import Document
+from roah_rsbb.model.messages import DevicesSeen
+from roah_rsbb.model.results import EventSeen, JudgedRun, Judging, RunLine, RunSheet
+from roah_rsbb.model.zone import RUNNING, Count, RunClock, SheetItem, ZoneSeen
+from roah_rsbb.protocol import wire_seconds
+from roah_rsbb.web.numbered import Key, Numbered, NumberedDocument
+from roah_rsbb.web.pairing import JUDGE, Grant
+from roah_rsbb.web.public_documents import FIXED_TEXTS, Data, Store
+from roah_rsbb.wording import judging, public, schedule, sheets, stop, times, todo, whole_box
+from roah_rsbb.wording.language import tr, tr_said
+from roah_rsbb.wording.sheets import scores_by_group, with_counting
+from roah_rsbb.wording.times import Figure, Moments, clock_of, formatted
+from roah_rsbb.wording.whole_box import LinkQuality
+
+# Runs without judges that are over and not signed off. Of more, the page says how many there are.
+MAX_UNSIGNED = 50
+
+
+def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
+    """Return everything about a zone but its running times. `utc_s`: the box's clock, see `moment`."""
+    event, actions, moments, task = zone.event, zone.actions, Moments(False), todo.todo(zone)
+    runs = [run for run in document.runs() if run.zone == zone.zone]
+    waiting = [run for run in runs if run.closed_utc_s is not None and run.signed_utc_s is None]
+    # Also older ones that judges score or that are published.
+    unsigned = waiting[:MAX_UNSIGNED] + [run for run in waiting[MAX_UNSIGNED:] if run.identity in document.judging]
+    judgings = {one.identity: one for one in judging.judgings_of(document, zone.zone)}
+    reasons = [*zone.off("connect"), *zone.off("start")]  # the page shows them beside the commands
+    # Those of the zone first: a robot may be moving. The one that says what to do now is not repeated.
+    warnings = [tr_said(text) for text in (*zone.unsaid, *document.box.warnings)]
+    return {
+        "zone": zone.zone,
+        "identity": zone.identity,
+        "phase": zone.phase,
+        "phase_text": sheets.marked_phase(zone.phase, zone.end_reason),
+        "title": f"{event.code}  {event.desc}",
+        "team": event.team,
+        "event_id": event.id,
+        "event": f"{event.scheduled:.0f}/{event.team}/{event.round}/{event.run}",
+        "facts": f"{sheets.turn(event.round, event.run)} · {moments.scheduled(event.scheduled, utc_s)}",
+        "robot": zone.robot_name,
+        "by_hand": zone.by_hand,
+        "todo": task.text,
+        "is_urgent": is_urgent(task),
+        "leaving": stop.leaving(zone),
+        "warnings": [text for text in warnings if text != task.text],
+        "state": [said for line in zone.state if line not in reasons for said in [tr_said(line)] if said != task.text],
+        "off": {name: [tr_said(reason) for reason in action.off] for name, action in actions.items()},
+        "shown": {name: action.shown for name, action in actions.items()},
+        "questions": {name: tr_said(action.question) for name, action in actions.items() if action.question},
+        "robots": list(zone.robots_to_choose),
+        "texts": {name: action.text for name, action in actions.items() if action.text},
+        "fields": {name: [{**field.form(), "label": tr(field.label)} for field in action.fields]
+                   for name, action in actions.items() if action.fields is not None},
+        "switches": None if zone.switches is None else zone.switches._asdict(),
+        "items": [item_page(item) for item in zone.items],
+        "points": sheets.points_of(zone.points),
+        "unsigned": [_unsigned_run(run, moments, utc_s) for run in unsigned],
+        "unlisted": len(waiting) - len(unsigned),
+        "judging": [_judging(judgings[run.identity], run, moments, utc_s) for run in runs
+                    if run.identity in judgings and (run.closed_utc_s is None or run in unsigned)],
+    }
+
+
+def moment(document: Document, utc_s: float) -> Tuple[object, ...]:
+    """Return what a page shows otherwise when only time passes: the day, and whose time for objections is over."""
+    return (formatted(utc_s, "%Y-%m-%d", in_utc=False),
+            *(one.identity for one in document.judging.values() if (one.objections_until_utc_s or 0.0) > utc_s))
+
+
+def sheet_page(sheet: RunSheet) -> Data:
+    """Return the score sheet of a run, as `zone_page` has that of the run in the zone."""
+    return {"items": [item_page(item) for item in sheet.items], "points": sheets.points_of(sheet.points)}
+
+
+def clock_page(zone: ZoneSeen, mono: float) -> Data:
+    """Return the times of the run in a zone at a moment of the box's clock."""
+    clock = clock_of(zone.clock, zone.phase, mono)
+    return {"main": _figure(clock.main), "goal": None if clock.goal is None else _figure(clock.goal),
+            "pause": clock.pause, "aside": clock.aside}
+
+
+def counts(clock: RunClock) -> bool:
+    """Whether times change while only time passes."""
+    return clock.after_stop_until is not None or any(
+        isinstance(one, Count) and one.counting for one in clock)
+
+
+def zones_page(zones: Sequence[ZoneSeen]) -> List[Data]:
+    """Return all zones with their phases, and what each needs of its referee."""
+    return [{"zone": zone.zone, "team": zone.event.team, "phase": sheets.phase(zone.phase), "todo": task.text,
+             "is_urgent": is_urgent(task)} for zone in zones for task in [todo.todo(zone)]]
+
+
+def is_urgent(task: todo.Todo) -> bool:
+    """Whether a zone needs its referee."""
+    return task.urgency >= todo.Urgency.LOOK
+
+
+def stop_page(zones: Sequence[ZoneSeen], has_all: bool, successor: str = "") -> Data:
+    """Return what STOP of a device needs, without a text. `zones`: those that it may stop; `has_all`: these are all
+    zones; `successor`: address of the box that took over."""
+    return {"all": has_all, "successor": successor, "zones": [
+        {"zone": zone.zone, "identity": zone.identity, "running": zone.phase == RUNNING,
+         "by_hand": zone.by_hand, "not_stopped": len(zone.not_stopped) > 0} for zone in zones]}
+
+
+def _figure(figure: Figure) -> Data:
+    return {"label": figure.label, "text": figure.text, "hurry": int(figure.hurry)}
+
+
+def item_page(item: SheetItem) -> Data:
+    """Return a scoring item."""
+    return {
+        "group": item.group, "desc": item.desc, "type": item.type, "value": item.value,
+        "text": item.text, "not_attempted": item.not_attempted, "points": item.points,
+        "shown": sheets.item_value(item.type, item.value, item.not_attempted, item.text),
+        "min": item.min, "max": item.max, "choices": item.choices, "judges": item.judges, "ratings": item.ratings,
+    }
+
+
+def _unsigned_run(run: RunLine, moments: Moments, utc_s: float) -> Data:
+    when = moments.scheduled(run.opened_utc_s, utc_s)
+    return {"identity": run.identity, "revision": run.revision, "title": f"{when}  {run_name(run)}",
+            "end": with_counting(sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason), run.counts),
+            "score": tr_said(run.score)}
+
+
+def run_name(run: RunLine) -> str:
+    """Return the name of a run."""
+    return sheets.run_name(run.code, run.team, run.round, run.run)
+
+
+# -- several judges ---------------------------------------------------------------------------------
+#
+# How far the judges are is part of the zone's document, without values. The values come with the answer to a device
+# that asks: a judge gets the own sheet, the others get all sheets side by side, once the core shows them.
+
+def _judging(one: Judging, run: RunLine, moments: Moments, utc_s: float) -> Data:
+    """Return how far the judges and the result of a run are."""
+    return {
+        "identity": one.identity, "revision": one.revision, "title": run_name(run),
+        "off": judging.off(one, run.closed_utc_s is not None), "count": one.count, "missing": one.missing,
+        "is_complete": one.complete,
+        "waiver": one.waiver, "differences": one.differences,
+        "judges": [{"judge": each.judge, "submitted": each.submitted_utc_s is not None,
+                    "state": judging.judge_state(each)} for each in one.judges],
+        "publication": judging.publication_text(one, utc_s, lambda when: moments.scheduled(when, utc_s)),
+    }
+
+
+def own_sheet(run: JudgedRun) -> Data:
+    """Return a judge's own sheet."""
+    return {"submitted": run.submitted, "again": run.again, "items": [item_page(item) for item in run.own]}
+
+
+def side_by_side(run: JudgedRun) -> Data:
+    """Return what the head referee sees."""
+    return {
+        "judged": [{
+            "outcome": one.outcome, "item": item_page(run.items[one.number - 1]),
+            "given": [each._asdict() for each in one.given], "who": one.who, "reason": one.reason,
+        } for one in judging.judged_of(run)],
+        "objections": [{
+            "number": one.number, "by": one.by, "text": one.text, "is_answered": one.answered_utc_s is not None,
+            "answer": judging.answer_text(one),
+        } for one in judging.objections_of(run)],
+    }
+
+
+OVERVIEW, SCHEDULE, ROBOTS, RUNS, LOG, BOX = "overview", "schedule", "robots", "runs", "log", "box"
+# The newest of each; of the schedule, those around the current events.
+MAX_EVENTS, MAX_ROBOTS, MAX_RUNS, MAX_HISTORY = 200, 200, 50, 200
+# Characters of the log that are sent at once. The page keeps what came before.
+MAX_LOG = 6000
+_MOMENTS = Moments(False)
+
+
+class PartShown(NamedTuple):
+    """What a part is made from."""
+
+    document: Document
+    zone: str  # the one that the device shows
+    own: str  # the only one in which the device may act; empty: all
+    now: Now
+    links: LinkQuality
+
+    @property
+    def second(self) -> int:
+        """Changes once a second."""
+        return math.floor(self.now.mono)
+
+    def zones(self) -> List[ZoneSeen]:
+        """The zones in which the device may act, in the order of the schedule."""
+        document = self.document
+        return [document.zones[name] for name in document.box.zones
+                if name in document.zones and self.own in ("", name)]
+
+
+class _Part(NamedTuple):
+    made_of: Callable[[PartShown], Any]  # it is made again when this has changed
+    make: Callable[[PartShown], Data]
+
+
+def may_show(part: str, grant: Grant) -> bool:
+    """Whether there is such a part for this device. A judge sees no values of others, and a referee has one zone."""
+    return part in PARTS and grant.role != JUDGE and (part != OVERVIEW or not grant.zone)
+
+
+# -- all zones --------------------------------------------------------------------------------------
+
+
+def _overview(shown: PartShown) -> Data:
+    return {"zones": [_tile(zone, shown.now.mono) for zone in shown.zones()]}
+
+
+def _tile(zone: ZoneSeen, mono: float) -> Data:
+    task, event = todo.todo(zone), zone.event
+    return {
+        "zone": zone.zone, "team": event.team, "event": f"{event.code} · {sheets.turn(event.round, event.run)}",
+        "phase": zone.phase, "phase_text": sheets.marked_phase(zone.phase, zone.end_reason),
+        "clock": clock_page(zone, mono), "todo": task.text,
+        "is_urgent": is_urgent(task), "more": task.more,
+    }
+
+
+# -- the schedule -----------------------------------------------------------------------------------
+
+
+def _leaving(shown: PartShown) -> Dict[str, str]:
+    return {zone.zone: stop.leaving(zone) for zone in shown.zones()}
+
+
+def _schedule(shown: PartShown) -> Data:
+    events = [event for event in shown.document.events() if shown.own in ("", event.zone)]
+    first = next((place for place, event in enumerate(events) if event.current), 0)
+    begin = max(0, min(first - MAX_EVENTS // 3, len(events) - MAX_EVENTS))
+    some = events[begin:begin + MAX_EVENTS]
+    several_days = len({schedule.day_of(event) for event in some}) > 1
+    current = [event for event in events if event.current]
+    left = {zone.zone: schedule.left_unsigned(current, zone.zone) for zone in shown.zones()}
+    return {
+        "summary": schedule.summary(events), "hidden": len(events) - len(some), "leaving": _leaving(shown),
+        "left": {zone: {"id": event.id, "name": _event_name(event), "score": tr_said(event.score)}
+                 for zone, event in left.items() if event is not None},
+        "events": [_event(event, current, several_days) for event in some],
+    }
+
+
+def _event(event: EventSeen, current: List[EventSeen], several_days: bool) -> Data:
+    begins = "" if event.state == "skipped" else schedule.moment_text(event.begins_utc_s, several_days)
+    has_begun = event.state in ("done", "running", "ended")
+    return {
+        "id": event.id, "zone": event.zone, "team": event.team, "day": schedule.day_of(event),
+        "name": _event_name(event),
+        "event": f"{event.code}, {sheets.turn(event.round, event.run)}",
+        "when": schedule.moment_text(event.scheduled_utc_s, several_days),
+        # An estimate has a mark that distinguishes it from a fact.
+        "begins": begins if has_begun or not begins else f"~ {begins}", "late": schedule.delay_text(event.late_s),
+        "state": schedule.state_text(event), "score": tr_said(event.score), "sheet": schedule.sheet_text(event),
+        "current": event.current, "off": schedule.why_not(current, event),
+        "shows": [show.value for show in schedule.Show if schedule.EventFilter(show=show).shows(event)],
+    }
+
+
+def _event_name(event: EventSeen) -> str:
+    return sheets.run_name(event.code, event.team, event.round, event.run)
+
+
+# -- robots -----------------------------------------------------------------------------------------
+
+
+def _robots(shown: PartShown) -> Data:
+    found = whole_box.robot_rows(shown.document, shown.now.mono, shown.links)
+    return {"hidden": max(0, len(found) - MAX_ROBOTS), "robots": found[:MAX_ROBOTS]}
+
+
+# -- the runs of a zone -----------------------------------------------------------------------------
+
+
+def _runs(shown: PartShown) -> Data:
+    runs = [run for run in shown.document.runs() if run.zone == shown.zone]
+    return {"hidden": max(0, len(runs) - MAX_RUNS), "runs": [_run(run, shown) for run in runs[:MAX_RUNS]]}
+
+
+def _run(run: RunLine, shown: PartShown) -> Data:
+    judged = shown.document.judging.get(run.identity)
+    unsaved = any(one.identity == run.identity for one in shown.document.box.unsaved)
+    sheet = sheets.signature(run.signed_utc_s, run.signed_by, _MOMENTS.with_zone) if run.signed_utc_s else (
+        sheets.sheet_state(run.closed_utc_s, None))
+    return {
+        "identity": run.identity, "revision": run.revision,
+        "title": f"{_MOMENTS.scheduled(run.closed_utc_s or run.opened_utc_s, shown.now.utc)}  {run_name(run)}",
+        "end": with_counting(sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason), run.counts),
+        "score": tr_said(run.score), "sheet": "; ".join([*([f"⚠ {tr(sheets.NOT_SAVED)}"] if unsaved else []),
+                            *([tr(sheets.CORRECTED)] if run.corrected else []), sheet]),
+        "is_closed": run.closed_utc_s is not None, "is_signed": run.signed_utc_s is not None,
+        "is_judged": judged is not None and judged.count > 0,
+    }
+
+
+def whole_sheet_page(sheet: RunSheet) -> Data:
+    """Return the score sheet of a run with its history, the newest entry first, its ends and its module's scores."""
+    run = sheet.run
+    return {
+        **sheet_page(sheet),
+        "facts": [fact for fact in (times.elapsed(sheet.elapsed_s) if run.end_reason else "",
+                                    ", ".join(sheet.robots)) if fact],
+        "module": [[f"{group}: {line.name}", line.value] for group, lines in scores_by_group(sheet.module_scores)
+                   for line in lines],
+        "history": [
+            {"number": entry.number, "is_withdrawn": entry.withdrawn_utc_s is not None,
+             "text": sheets.entry_line(sheets.entry_texts(entry, _MOMENTS.time_of_day))}
+            for entry in reversed(sheet.history[-MAX_HISTORY:])],
+        "ends": [
+            {"number": end.number, "reason": sheets.stop_reason(end.reason, end.reason_by, end.who),
+             "text": " · ".join(filter(None, [_MOMENTS.time_of_day(end.utc_s), sheets.person(end.who),
+                                              tr_said(end.desc)]))}
+            for end in sheet.ends],
+    }
+
+
+# -- texts of a run ---------------------------------------------------------------------------------
+
+
+def _log(shown: PartShown) -> Data:
+    """Return the ends of the log and of the online data, which the page adds to what it has."""
+    zone = shown.document.zones[shown.zone]
+    return {"of": f"{zone.zone} {zone.event.id}", **{
+        name: _MOMENTS.lines(_end_of(text), shown.now.utc)
+        for name, text in (("log", zone.log), ("online", zone.online_data))}}
+
+
+def _end_of(text: str) -> str:
+    """Return the last lines of a text."""
+    return text if len(text) <= MAX_LOG else text[-MAX_LOG:].partition("\n")[2]
+
+
+# -- the box ----------------------------------------------------------------------------------------
+
+
+def _box(shown: PartShown) -> Data:
+    document, box = shown.document, shown.document.box
+    return {
+        "status": tr_said(box.own_status), "is_ok": box.status == "OK",
+        "warnings": [tr_said(text) for text in box.warnings],
+        "facts": [[tr(label), text] for label, text in zip(whole_box.BOX_FACTS, whole_box.box_facts(document))],
+        "runs": whole_box.runs_in_progress(document.zones.values()),
+        "tablet": [[tr(label), text] for label, (text, _) in zip(
+            whole_box.TABLET_FACTS, whole_box.tablet_facts(box.tablet, shown.now, _MOMENTS),
+        )] if box.tablet.heard else None,
+    }
+
+
+# -- the home devices -------------------------------------------------------------------------------
+
+
+def devices_page(seen: DevicesSeen, now_s: float) -> Data:
+    """Return the home devices as the page shows them, at a moment in UTC seconds."""
+    found, (connection, reason) = seen.devices, whole_box.controller_text(seen.connected, seen.text)
+    bell, rings = whole_box.bell_text(wire_seconds(found.bell), now_s, _MOMENTS)
+    return {
+        "connection": connection, "reason": reason, "is_connected": seen.connected,
+        "devices": [_device(name, int(getattr(found, name))) for name in whole_box.DEVICES],
+        "bell": {"device": RING, "name": tr(whole_box.BELL), "value": int(rings), "commands": [(tr(whole_box.RING), 1)],
+                 "states": [bell] * 2},
+    }
+
+
+def _device(name: str, value: int) -> Data:
+    return {
+        "device": name, "name": whole_box.device_name(name), "value": value, "states": whole_box.device_states(name),
+        "commands": whole_box.device_commands(name),
+    }
+
+
+def _day(shown: PartShown) -> str:
+    return times.formatted(shown.now.utc, "%Y-%m-%d", in_utc=False)
+
+
+PARTS: Dict[str, _Part] = {
+    OVERVIEW: _Part(lambda shown: shown.second, _overview),
+    SCHEDULE: _Part(lambda shown: (shown.document.schedule, shown.document.box.zones, _leaving(shown)), _schedule),
+    ROBOTS: _Part(lambda shown: shown.second, _robots),
+    RUNS: _Part(lambda shown: (
+        shown.document.results, shown.document.judging, shown.document.box.unsaved, _day(shown)), _runs),
+    LOG: _Part(lambda shown: shown.second, _log),
+    BOX: _Part(lambda shown: shown.second, _box),
+}
+
+
+def part_name(part: str) -> str:
+    """Return the name of a part's document."""
+    return f"part.{part}"
+
+
+def made_of(part: str, shown: PartShown) -> Tuple[Any, ...]:
+    """Return what a part is made of: it is made again when that has changed."""
+    return (shown.zone in shown.document.zones, PARTS[part].made_of(shown))
+
+
+def part_page(part: str, shown: PartShown) -> Optional[Data]:
+    """Return a part; None: its zone is gone."""
+    return PARTS[part].make(shown) if shown.zone in shown.document.zones else None
+
+
+ZONE, CLOCK, ZONES = "page.zone", "page.clock", "page.zones"
+# What STOP needs, without a text: of a zone, or with "" of all zones.
+STOP = "page.stop"
+NO_STOP: Key = (STOP,)  # of devices that may stop nothing
+
+
+class Desk(Numbered):
+    """The documents for devices. The fixed texts of pages are those of the store."""
+
+    def __init__(self, store: Store) -> None:
+        super().__init__(store.box, store.session)
+        self._store = store
+        self._shown: Set[Key] = set()  # see `show`
+        self._links = LinkQuality()
+        self._put(NO_STOP, stop_page([], False))
+
+    def zones(self) -> List[str]:
+        """Return all zones, in the order of the schedule."""
+        return [zone.zone for zone in self._zones()]
+
+    def team_facts(self, team: str, language: str) -> Optional[List[str]]:
+        """Return what the box knows of a team's robot; None: it was not heard yet."""
+        document = self.box.document
+        if document is None:
+            return None
+        with self._store.speaking(language):
+            return public.team_facts(team, document, self.box.now())
+
+    def show(self, shown: Iterable[Key]) -> None:
+        """Make documents for these from now on, and for no others: language and zone, and where a part of the page of
+        the whole box is open, that part and the zone in which its device may act; empty: all zones."""
+        self._shown = set(shown)
+        self.look()
+
+    def look(self) -> bool:
+        """Make documents again: the box, or only its clocks, may have changed. Returns whether any has changed. What
+        STOP needs is made first. A device of a zone that is gone has nothing to stop."""
+        document, before, zones = self.box.document, self.changes, self._zones()
+        if document is None:
+            return False
+        successor = document.box.superseded_by
+        for name in {"", *document.zones, *(key[1] for key in self._made_of if key[0] == STOP)}:
+            own = [zone for zone in zones if name in ("", zone.zone)]
+            self._renew((STOP, name), (own, successor),
+                        functools.partial(stop_page, own, name == "", successor))
+        now = self.box.now()
+        self._links.look(document, now.mono)  # also while nobody sees it: it depends on the past
+        for language, name in {key[:2] for key in self._shown}:
+            with self._store.speaking(language):
+                self._renew((ZONES, language), zones, lambda: zones_page(zones))
+                self._make(document, language, name, now)
+        for language, name, part, own in (key for key in self._shown if len(key) > 2):
+            key, shown = (part_name(part), language, name, own), PartShown(
+                document, name, own, now, self._links)
+            if self.box.is_old and key in self._made_of:
+                continue  # its clocks stop
+            with self._store.speaking(language):
+                self._renew(key, made_of(part, shown), functools.partial(part_page, part, shown))
+        return self.changes != before
+
+    def _make(self, document: Document, language: str, name: str, now: Now) -> None:
+        """Make the documents of a zone in a language, which texts have now."""
+        zone = document.zones.get(name)
+        if zone is None:  # it is gone
+            self._renew((ZONE, language, name), None, lambda: None)
+            self._renew((CLOCK, language, name), None, lambda: None)
+            return
+        is_counting = counts(zone.clock) and not self.box.is_old
+        self._renew(
+            (ZONE, language, name), (zone, document.box.warnings, document.results, document.judging,
+                                     moment(document, now.utc)),
+            lambda: zone_page(zone, document, now.utc))
+        self._renew((CLOCK, language, name), (zone.clock, zone.phase, now.mono if is_counting else None),
+                    lambda: clock_page(zone, now.mono))
+
+    def _zones(self) -> List[ZoneSeen]:
+        document = self.box.document
+        return [] if document is None else [
+            document.zones[name] for name in document.box.zones if name in document.zones]
+
+    # -- for devices ----------------------------------------------------------------------------------
+
+    def keys(self, language: str, zone: str, part: str = "", own: str = "") -> List[Key]:
+        """Return the keys of all documents of a page; see `show`."""
+        return [*self._store.keys(FIXED_TEXTS, language), (ZONES, language), (ZONE, language, zone),
+                (CLOCK, language, zone), *([(part_name(part), language, zone, own)] if part else [])]
+
+    def document(self, key: Key) -> NumberedDocument:
+        """Return a document."""
+        return self._store.document(key) if key[0] in FIXED_TEXTS else super().document(key)
+
+    def piece(self, key: Key) -> str:
+        """Return a document as a part of a message."""
+        return self._store.piece(key) if key[0] in FIXED_TEXTS else super().piece(key)

@@ -1,1 +1,0 @@
-"""The displays: their list, and what the organiser sets for them."""

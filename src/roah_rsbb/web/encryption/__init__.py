@@ -1,1 +1,0 @@
-"""Encryption of the pages: the certificate, and connections with and without it at one port (docs/web.md)."""

@@ -1,1 +1,0 @@
-"""The pages of teams: their codes, and what they ask."""
