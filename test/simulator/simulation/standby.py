@@ -24,7 +24,7 @@ from .scheduler import Process
 
 PORT = 8083
 KEY = "5f"
-# Without a sign of the box for so long, a takeover is possible (`SILENT_S` of standby/program/main.py).
+# Without a sign of the box for so long, a takeover is possible (`SILENT_S` of standby/program/keeping.py).
 SILENT_S = 3.0
 SHORTEST_S, LONGEST_S = 0.0005, 0.01
 # How long the disk of the standby takes.

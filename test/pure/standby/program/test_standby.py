@@ -24,8 +24,11 @@ from roah_rsbb.standby.beside_copy import PackedModules
 from roah_rsbb.standby.channel import MODULES
 from roah_rsbb.standby.pair import hashed, rejoin_key
 from roah_rsbb.standby.pairing import PairedBox, PairedStandby, is_standby, read_box, write_box, write_standby
+from roah_rsbb.standby.program import keeping, takeover
 from roah_rsbb.standby.program import main as standby
 from roah_rsbb.standby.program.ears import Automatic, NoAddress
+from roah_rsbb.standby.program.keeping import CopyKeeper
+from roah_rsbb.standby.program.takeover import StandbyFolder
 from roah_rsbb.tools.preflight_checks import Remark, Severity
 
 
@@ -40,6 +43,7 @@ def copied(tmp_path):
     assert made.step()
     made.follower.close()
     (made.stick / "network.json").write_text(json.dumps({"rsbb_host": "10.1.255.255", "rsbb_port": 7000}))
+    made.standby = StandbyFolder(str(made.stick))
     yield made
     made.close()
 
@@ -56,6 +60,18 @@ def entered(folder, *words):
     return end.value.code
 
 
+def keep(monkeypatch, noted):
+    """Note what is given instead of keeping a copy."""
+    class Fake:
+        def __init__(self, *given):
+            noted(*given)
+
+        def run(self):
+            return 0
+
+    monkeypatch.setattr(standby, "CopyKeeper", Fake)
+
+
 def arguments(command):
     assert command[:3] == ["roslaunch", "roah_rsbb", "roah_rsbb.launch"]
     return dict(argument.split(":=") for argument in command[3:])
@@ -63,7 +79,7 @@ def arguments(command):
 
 def test_the_box_starts_with_everything_that_was_copied(copied):
     stick = str(copied.stick)
-    found = arguments(standby.launch_command(stick, ["gui:=none", "rsbb_host:=10.9.255.255"]))
+    found = arguments(StandbyFolder(stick, ["gui:=none", "rsbb_host:=10.9.255.255"]).launch_command())
     assert found == {
         "log_dir": stick, "resume": "always", "take_over": "true", "rsbb_host": "10.9.255.255",
         "rsbb_port": "7000", "gui": "none",
@@ -79,15 +95,15 @@ def test_the_box_has_the_rules_and_parameters_that_were_copied(copied):
     (copied.stick / "of_the_box" / "HNF.yaml").write_text("goals: 1")
     PackedModules(str(copied.stick / "of_the_box"), str(copied.stick / MODULES)).look()
     stick = str(copied.stick)
-    assert arguments(standby.launch_command(stick, []))["modules_dir"] == f"{stick}/configuration/modules"
+    assert arguments(StandbyFolder(stick, []).launch_command())["modules_dir"] == f"{stick}/configuration/modules"
     assert (copied.stick / "configuration" / "modules" / "HNF.yaml").read_text() == "goals: 1"
-    given = arguments(standby.launch_command(stick, ["modules_dir:=here"]))
+    given = arguments(StandbyFolder(stick, ["modules_dir:=here"]).launch_command())
     assert given["modules_dir"] == "here"
 
 
 def test_damaged_modules_do_not_prevent_a_takeover(copied):
     (copied.stick / MODULES).write_bytes(b"PK damaged")
-    assert "modules_dir" not in arguments(standby.launch_command(str(copied.stick), []))
+    assert "modules_dir" not in arguments(copied.standby.launch_command())
 
 
 def test_commands_find_the_copy_where_it_was_kept_last(tmp_path, monkeypatch):
@@ -104,7 +120,7 @@ def test_commands_find_the_copy_where_it_was_kept_last(tmp_path, monkeypatch):
     writer.journal.close()
     second = folder("rejoin", str(usual))
     assert second == f"{usual}_2", "the box was in the usual one"
-    standby._note_folder(second)
+    keeping.note_folder(second)
     assert folder("takeover") == str(usual), "it does not exist"
     os.makedirs(second)
     assert {folder(command) for command in ("takeover", "status", "follow")} == {second}
@@ -113,7 +129,7 @@ def test_commands_find_the_copy_where_it_was_kept_last(tmp_path, monkeypatch):
 
 def test_there_is_no_copy(tmp_path):
     with pytest.raises(standby.Denied, match="there is no copy"):
-        standby.launch_command(str(tmp_path), [])
+        StandbyFolder(str(tmp_path)).launch_command()
 
 
 @pytest.mark.parametrize("answers, beacons, reasons", [
@@ -125,18 +141,17 @@ def test_each_way_in_which_the_box_is_heard_is_a_reason(copied, monkeypatch, ans
         asked.append(given)
         return Remark(Severity.FAILED, "another RSBB transmits", "") if beacons else Remark(Severity.OK, "none", "")
 
-    monkeypatch.setattr(standby, "read_box", lambda folder: PairedBox("10.1.0.2", 8083, "ff", "key"))
-    monkeypatch.setattr(standby, "is_alive", lambda box, timeout: answers)
-    monkeypatch.setattr(standby, "check_other_box", other_box)
-    network = standby._network(str(copied.stick), ["bind_host:=10.1.0.3"])
-    assert len(standby.why_not(str(copied.stick), network, 4.0)) == reasons
+    write_box(str(copied.stick), PairedBox("10.1.0.2", 8083, "ff", "key"))
+    monkeypatch.setattr(takeover, "is_alive", lambda box, timeout: answers)
+    monkeypatch.setattr(takeover, "check_other_box", other_box)
+    assert len(StandbyFolder(str(copied.stick), ["bind_host:=10.1.0.3"]).why_not(4.0)) == reasons
     assert asked == [("10.1.255.255", 7000, "10.1.0.3", 4.0)]
 
 
 @pytest.mark.parametrize("anyway", [False, True])
 def test_a_takeover_needs_an_option_while_the_box_is_heard(copied, monkeypatch, anyway):
     started = []
-    monkeypatch.setattr(standby, "why_not", lambda *_: ["The box answers."])
+    monkeypatch.setattr(StandbyFolder, "why_not", lambda *_: ["The box answers."])
     monkeypatch.setattr(os, "execvp", lambda name, command: started.append(command))
     if anyway:
         entered(copied.stick, "takeover", "--anyway")
@@ -150,7 +165,7 @@ def test_a_takeover_needs_an_option_while_the_box_is_heard(copied, monkeypatch, 
 @pytest.mark.parametrize("host, is_said", [("203.0.113.2", True), ("127.0.0.1", False)])
 def test_a_takeover_says_which_robots_are_not_heard(copied, capsys, host, is_said):
     """Not if this computer has the old box's address."""
-    standby._become_box(str(copied.stick), PairedBox(host, 8083, "ff", "key"), [])
+    copied.standby.become_box(PairedBox(host, 8083, "ff", "key"))
     said = capsys.readouterr().out
     assert (f"the box's address {host} instead of the broadcast address are not heard" in said) == is_said
     assert (f"takeover --take-address --log-dir {copied.stick}" in said) == is_said
@@ -160,8 +175,8 @@ def test_the_address_can_be_taken_while_the_new_box_runs(copied, monkeypatch, ca
     folder, taken = str(copied.stick), []
     box = PairedBox("203.0.113.2", 8083, "ff", "key")
     monkeypatch.setattr(standby, "read_box", lambda _: box)
-    monkeypatch.setattr(standby, "take_address", lambda host, _: taken.append(host) or "eth7")
-    standby._become_box(folder, box, [])
+    monkeypatch.setattr(takeover, "take_address", lambda host, _: taken.append(host) or "eth7")
+    StandbyFolder(folder).become_box(box)
     with contextlib.closing(CopyFolder(folder)):  # locked, as a core locks its journal
         entered(folder, "takeover", "--take-address")
     assert taken == [box.host]
@@ -182,12 +197,12 @@ def test_a_witness_needs_the_program_ping(copied, monkeypatch):
 def test_the_old_box_becomes_a_standby_with_the_same_options(copied, monkeypatch, tmp_path):
     kept = []
     monkeypatch.setattr(standby, "rejoin", lambda *_: PairedBox("10.0.0.3", 8083, "ff", "key"))
-    monkeypatch.setattr(standby, "_keep_copy", lambda *given: kept.append(given) or 0)
+    keep(monkeypatch, lambda *given: kept.append(given))
     monkeypatch.setattr(standby.shutil, "which", lambda name: f"/bin/{name}")
     monkeypatch.setattr(standby.os, "geteuid", lambda: 0)
     entered(copied.stick, "rejoin", str(tmp_path / "old"), "--automatic", "5", "--witness", "203.0.113.1",
             "--take-address")
-    assert kept[0][3:] == (Automatic(5.0, "203.0.113.1"), True)
+    assert kept[0][2:] == (Automatic(5.0, "203.0.113.1"), True)
 
 
 @pytest.mark.parametrize("rejoined", [True, False])
@@ -215,7 +230,7 @@ def test_a_box_that_was_off_during_the_takeover_is_the_box_again(tmp_path, monke
 @pytest.mark.parametrize("wrong", [["--automatic", "1"], ["--take-address"], ["--witness", "203.0.113.1"]])
 @pytest.mark.parametrize("words", [["follow", "10.0.0.2", "--code", "AAAA-AAAA"], ["rejoin", "/old"]])
 def test_options_that_are_not_possible_change_nothing(copied, monkeypatch, words, wrong):
-    for name in ("pair", "rejoin", "_keep_copy"):
+    for name in ("pair", "rejoin", "CopyKeeper"):
         monkeypatch.setattr(standby, name, lambda *_: pytest.fail("something was changed"))
     monkeypatch.setattr(standby.shutil, "which", lambda name: None)
     monkeypatch.setattr(standby.os, "geteuid", lambda: 1000)
@@ -231,7 +246,7 @@ def test_the_program_that_keeps_the_copy_is_ended(copied, tmp_path):
     with subprocess.Popen([sys.executable, str(program), "follow", str(copied.stick)], stdout=subprocess.PIPE,
                           stdin=subprocess.PIPE, env={**os.environ, "PYTHONPATH": source}) as process:
         assert process.stdout.readline() == b"open\n"
-        standby.end_follower(str(copied.stick))
+        copied.standby.end_follower()
         assert process.wait(60.0) < 0
     CopyFolder(str(copied.stick)).close()
 
@@ -239,7 +254,7 @@ def test_the_program_that_keeps_the_copy_is_ended(copied, tmp_path):
 def test_another_program_that_uses_the_copy_is_not_ended(copied):
     folder = CopyFolder(str(copied.stick))
     with pytest.raises(standby.Denied, match="another program uses the copy"):
-        standby.end_follower(str(copied.stick))
+        copied.standby.end_follower()
     folder.close()
 
 
@@ -247,14 +262,14 @@ def test_when_the_copy_ends(copied):
     for zone, shown in (("UTC", "11:00:01 UTC, "), ("Asia/Tokyo", "20:00:01 JST, ")):
         texts = Texts(("b", "s", "p"), (None, f"- time_zone: {zone}", None))
         write_in_force(str(copied.stick), InForce("launch", 1, {1: texts}))
-        assert standby.last_moment(str(copied.stick)).startswith(f"The newest entry of the copy is from {shown}")
-    standby.times.use_zone("")
+        assert copied.standby.last_moment().startswith(f"The newest entry of the copy is from {shown}")
+    takeover.times.use_zone("")
 
 
 def test_arguments_of_the_launch_file_may_stand_anywhere(copied, monkeypatch):
     given = []
     monkeypatch.setattr(standby, "pair", lambda *of: given.append(of[3]) or PairedBox("10.1.0.2", 8083, "", ""))
-    monkeypatch.setattr(standby, "_keep_copy", lambda *of: given.append(of[2]))
+    keep(monkeypatch, lambda folder, *_: given.append(folder.arguments))
     entered(copied.stick, "follow", "gui:=none", "--code", "AAAA", "10.1.0.2", "web:=false", "__name:=standby")
     assert given == ["AAAA", ["gui:=none", "web:=false"]]
 
@@ -314,7 +329,7 @@ def test_a_box_without_a_port_for_a_standby_has_no_code(copied, monkeypatch):
 
 
 def test_a_superseded_box_has_no_code(box, monkeypatch):
-    monkeypatch.setattr(standby.epochs, "standing_in", lambda _: BoxEpoch(2, superseded_by=3, by="10.0.0.3"))
+    monkeypatch.setattr(takeover.epochs, "standing_in", lambda _: BoxEpoch(2, superseded_by=3, by="10.0.0.3"))
     with pytest.raises(standby.Denied, match="pair the standby with the box at 10.0.0.3"):
         entered(box, "code")
 
@@ -334,21 +349,21 @@ class Keeping:
 
     def __init__(self, folder, monkeypatch, takes_over=False, is_handed_over=False):
         self.folder, self.happened = folder, []
-        keeping = self
+        this = self
 
         class End:
-            run = staticmethod(lambda: keeping.take_over() if takes_over else None)
+            run = staticmethod(lambda: this.take_over() if takes_over else None)
             end = staticmethod(lambda: None)
             was_handed_over = is_handed_over
 
             def __init__(self, *given):
-                keeping.on_hand_over = given[-1]
+                this.on_hand_over = given[-1]
 
         class Ears:
             wait_silent = heard = start = end = staticmethod(lambda *_: None)
 
             def __init__(self, *given):
-                keeping.take_over = given[4]
+                this.take_over = given[4]
 
         class Prepared:
             start = staticmethod(lambda: None)
@@ -359,66 +374,66 @@ class Keeping:
 
             @staticmethod
             def end():
-                keeping.note("prepared box ended")
+                this.note("prepared box ended")
 
         for name, fake in (("StandbyEnd", End), ("Ears", Ears), ("Prepared", Prepared)):
-            monkeypatch.setattr(standby, name, fake)
-        monkeypatch.setattr(standby.signal, "signal", lambda *_: None)
+            monkeypatch.setattr(keeping, name, fake)
+        monkeypatch.setattr(keeping.signal, "signal", lambda *_: None)
         monkeypatch.setattr(os, "execvp", lambda *_: self.note("box started"))
         self.box = PairedBox("127.0.0.1", 8083, "ff", "key")
         write_box(folder, self.box)
 
     def note(self, what):
-        is_locked = linux.is_locked(os.path.join(self.folder, standby.LOCK))
+        is_locked = linux.is_locked(os.path.join(self.folder, takeover.LOCK))
         self.happened.append((what, is_locked, is_standby(self.folder)))
 
     def keep(self):
-        return standby._keep_copy(self.folder, self.box, [], Automatic(5.0), False)
+        return CopyKeeper(StandbyFolder(self.folder), self.box, Automatic(5.0), False).run()
 
 
 def test_a_box_that_was_prepared_in_another_way_ends_before_the_takeover(copied, monkeypatch):
     """It waits for that, and would begin, too."""
-    keeping = Keeping(str(copied.stick), monkeypatch, takes_over=True)
-    keeping.keep()
-    assert keeping.happened[0] == ("prepared box ended", True, True)
-    assert keeping.happened[-1] == ("box started", False, False)
+    kept = Keeping(str(copied.stick), monkeypatch, takes_over=True)
+    kept.keep()
+    assert kept.happened[0] == ("prepared box ended", True, True)
+    assert kept.happened[-1] == ("box started", False, False)
 
 
 def test_a_box_that_hands_over_is_replaced(copied, monkeypatch, capsys):
-    keeping = Keeping(str(copied.stick), monkeypatch, is_handed_over=True)
-    keeping.keep()
+    kept = Keeping(str(copied.stick), monkeypatch, is_handed_over=True)
+    kept.keep()
     assert "its computer hands over: taking over" in capsys.readouterr().out
-    assert keeping.happened[-1] == ("box started", False, False) and keeping.on_hand_over()
+    assert kept.happened[-1] == ("box started", False, False) and kept.on_hand_over()
 
 
 def test_a_standby_without_a_configuration_is_handed_nothing(copied, monkeypatch, capsys):
-    keeping = Keeping(str(copied.stick), monkeypatch)
-    keeping.keep()
-    monkeypatch.setattr(standby.log_dirs, "read_in_force", lambda folder: None)
-    assert not keeping.on_hand_over()
+    kept = Keeping(str(copied.stick), monkeypatch)
+    kept.keep()
+    monkeypatch.setattr(takeover.log_dirs, "read_in_force", lambda folder: None)
+    assert not kept.on_hand_over()
     assert "the box hands over, but: the copy in" in capsys.readouterr().out
 
 
 def test_the_program_that_keeps_the_copy_has_ended_with_the_box_that_it_prepared(copied, monkeypatch):
     """The next box would use its ROS master."""
-    keeping = Keeping(str(copied.stick), monkeypatch, takes_over=False)
-    assert keeping.keep() == 0
-    assert keeping.happened == [("prepared box ended", True, True)]
-    assert not linux.is_locked(str(copied.stick / standby.LOCK))
+    kept = Keeping(str(copied.stick), monkeypatch, takes_over=False)
+    assert kept.keep() == 0
+    assert kept.happened == [("prepared box ended", True, True)]
+    assert not linux.is_locked(str(copied.stick / takeover.LOCK))
 
 
 def test_two_programs_that_keep_one_copy(copied):
-    with standby._locked(str(copied.stick)):
-        with pytest.raises(standby.Denied, match="another program keeps the copy"), standby._locked(str(copied.stick)):
+    with copied.standby.locked():
+        with pytest.raises(standby.Denied, match="another program keeps the copy"), copied.standby.locked():
             pass
-        assert standby._noted_pid(str(copied.stick / standby.LOCK)) == os.getpid()
+        assert takeover.noted_pid(str(copied.stick / takeover.LOCK)) == os.getpid()
         with pytest.raises(standby.Denied, match=f"process {os.getpid()}"):
-            standby._check_unused(str(copied.stick))
+            copied.standby.check_unused()
 
 
 def test_a_copy_that_is_kept_is_not_paired_again(copied, monkeypatch):
     monkeypatch.setattr(standby, "pair", lambda *_: pytest.fail("the pair of the other program is replaced"))
-    with standby._locked(str(copied.stick)), pytest.raises(standby.Denied, match="another program uses"):
+    with copied.standby.locked(), pytest.raises(standby.Denied, match="another program uses"):
         entered(copied.stick, "follow", "10.0.0.2", "--code", "AAAA-AAAA")
 
 
@@ -430,7 +445,7 @@ def test_the_new_box_is_not_made_a_standby_by_habit(copied, words, said):
     folder = str(copied.stick)
     box = PairedBox("10.0.0.2", 8083, "ff", "key")
     write_box(folder, box)
-    standby._become_box(folder, box, [])
+    StandbyFolder(folder).become_box(box)
     with pytest.raises(standby.Denied, match=said):
         entered(folder, *words)
     assert not is_standby(folder)
@@ -444,7 +459,7 @@ def test_a_code_can_be_typed(copied, monkeypatch, words, used):
     pairs = []
     write_box(str(copied.stick), PairedBox("10.0.0.2", 8083, "ff", "key"))
     monkeypatch.setattr(standby, "pair", lambda *given: pairs.append(given[3]) or PairedBox("10.0.0.2", 8083, "", ""))
-    monkeypatch.setattr(standby, "_keep_copy", lambda *_: 0)
+    keep(monkeypatch, lambda *_: None)
     monkeypatch.setattr("builtins.input", lambda _: "typed")
     entered(copied.stick, "follow", *words)
     assert pairs == ([used] if used else [])
@@ -463,10 +478,10 @@ def test_a_superseded_box_can_be_a_standby_again(copied, monkeypatch):
     folder = str(copied.stick)
     box = PairedBox("10.0.0.2", 8083, "ff", "key")
     write_box(folder, box)
-    standby._become_box(folder, box, [])
-    monkeypatch.setattr(standby.epochs, "standing_in", lambda _: BoxEpoch(2, superseded_by=3))
+    StandbyFolder(folder).become_box(box)
+    monkeypatch.setattr(takeover.epochs, "standing_in", lambda _: BoxEpoch(2, superseded_by=3))
     kept = []
-    monkeypatch.setattr(standby, "_keep_copy", lambda *given: kept.append(given))
+    keep(monkeypatch, lambda *given: kept.append(given))
     entered(folder, "follow")
     assert len(kept) == 1
 
@@ -474,7 +489,7 @@ def test_a_superseded_box_can_be_a_standby_again(copied, monkeypatch):
 def test_another_address_of_the_box_is_remembered(copied, monkeypatch):
     folder = str(copied.stick)
     write_box(folder, PairedBox("10.0.0.2", 8083, "ff", "key"))
-    monkeypatch.setattr(standby, "_keep_copy", lambda *_: 0)
+    keep(monkeypatch, lambda *_: None)
     entered(folder, "follow", "localhost", "--port", "8084")
     assert read_box(folder) == PairedBox("127.0.0.1", 8084, "ff", "key"), "a name is looked up once"
 
@@ -495,7 +510,7 @@ def test_an_invalid_port(tmp_path, port):
 def test_a_takeover_with_a_damaged_key_of_the_pair(copied, capsys):
     """A core would take the folder for the one of a standby, and wait."""
     (copied.stick / "box.json").write_text("{")
-    standby._become_box(str(copied.stick), None, [])
+    copied.standby.become_box(None)
     assert not is_standby(str(copied.stick))
     assert "Make sure that it is off" in capsys.readouterr().out
 
@@ -506,9 +521,9 @@ def test_the_copy_is_kept_if_the_address_cannot_be_taken(copied, monkeypatch):
     def refuse(*_):
         raise NoAddress("no right")
 
-    monkeypatch.setattr(standby, "take_address", refuse)
-    monkeypatch.setattr(standby, "why_not", lambda *_: [])
-    monkeypatch.setattr(standby, "end_follower", lambda _: pytest.fail("the copy is not kept any more"))
+    monkeypatch.setattr(takeover, "take_address", refuse)
+    monkeypatch.setattr(StandbyFolder, "why_not", lambda *_: [])
+    monkeypatch.setattr(StandbyFolder, "end_follower", lambda _: pytest.fail("the copy is not kept any more"))
     with pytest.raises(standby.Denied, match="omit --take-address"):
         entered(copied.stick, "takeover", "--take-address")
 
@@ -522,7 +537,7 @@ def test_a_copy_is_used_while_a_part_of_it_is_written_again(copied, capsys):
     before = contents(copied.stick)
     draft = copied.stick / JOURNAL / f"{list(before)[-1]}{log.DRAFT}"
     draft.write_bytes(b"the beginning")
-    standby._become_box(str(copied.stick), PairedBox("127.0.0.1", 8083, "ff", "key"), [])
+    copied.standby.become_box(PairedBox("127.0.0.1", 8083, "ff", "key"))
     assert "compare the results with the referees' notes" in capsys.readouterr().out
     after = contents(copied.stick)
     assert len(after) == len(before) + 1 and before.items() <= after.items(), "the takeover is a segment"
@@ -542,7 +557,7 @@ def test_the_torn_end_of_a_copy_is_no_damage(copied, capsys):
     content = bytearray(path.read_bytes())
     content[saved:saved + 32] = bytes(32)
     path.write_bytes(content)
-    standby._become_box(str(copied.stick), None, [])
+    copied.standby.become_box(None)
     assert "11:00:01 UTC" in capsys.readouterr().out
     found = open_journal(str(copied.stick / JOURNAL))
     assert not found.problems and found.contents.entry == 2, "and the entry of the takeover"
@@ -551,7 +566,7 @@ def test_the_torn_end_of_a_copy_is_no_damage(copied, capsys):
 def test_a_full_disk_is_no_place_for_a_takeover(copied, monkeypatch):
     monkeypatch.setattr(durable, "has_space", lambda folder: False)
     with pytest.raises(standby.Denied, match="the disk is full: free space for"):
-        standby._become_box(str(copied.stick), None, [])
+        copied.standby.become_box(None)
 
 
 def test_a_full_disk_does_not_end_the_program(copied, monkeypatch):
@@ -560,37 +575,37 @@ def test_a_full_disk_does_not_end_the_program(copied, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("builtins.print", fail)
-    monkeypatch.setattr(standby.os, "write", fail)
-    with standby._locked(str(copied.stick)):
-        standby._show("")
+    monkeypatch.setattr(os, "write", fail)
+    with copied.standby.locked():
+        keeping.show("")
 
 
 def test_the_status_of_a_standby(copied, monkeypatch):
     write_box(str(copied.stick), PairedBox("10.0.0.2", 8083, "00", "key"))
-    monkeypatch.setattr(standby, "is_alive", lambda box, timeout: True)
-    lines = list(standby.status(str(copied.stick)))
+    monkeypatch.setattr(takeover, "is_alive", lambda box, timeout: True)
+    lines = list(copied.standby.status())
     assert lines[:2] == ["This computer is the standby of the box at 10.0.0.2, which answers",
                          "The copy is not kept: start 'standby follow'"]
     assert lines[2].startswith("The newest entry of the copy is from ")
     assert lines[3] == "Epoch 1"
     assert lines[4].endswith("(durable: one)")
     demand_two(copied.stick)
-    with standby._locked(str(copied.stick)):
-        lines = list(standby.status(str(copied.stick)))
+    with copied.standby.locked():
+        lines = list(copied.standby.status())
     assert lines[1] == "The copy is kept"
     assert lines[4].endswith("(durable: two)")
 
 
 def test_the_status_of_a_box(copied):
     folder = str(copied.log_dir)
-    assert next(iter(standby.status(folder))) == "No standby is paired with this box"
+    assert next(iter(StandbyFolder(folder).status())) == "No standby is paired with this box"
     write_standby(folder, PairedStandby("laptop", "00", "10.0.0.3", 8083))
     demand_two(copied.log_dir)
-    found = list(standby.status(folder))
+    found = list(StandbyFolder(folder).status())
     assert found[0] == "The standby of this box is laptop, last connected from 10.0.0.3"
     assert found[-1] == "Scores and sign-offs are confirmed when the standby has them, too (durable: two)"
     write_standby(folder, PairedStandby("stranger", "00", "10.0.0.66", 8083, False, 1e9, "laptop at 10.0.0.3"))
-    assert list(standby.status(folder))[1] == (
+    assert list(StandbyFolder(folder).status())[1] == (
         "It was paired on 2001-09-09 at 01:46:40 UTC, and replaced laptop at 10.0.0.3")
     with pytest.raises(standby.Denied, match="--log-dir"):
-        list(standby.status(str(copied.log_dir / "standby")))
+        list(StandbyFolder(str(copied.log_dir / "standby")).status())

@@ -11,8 +11,8 @@ from helpers.waiting import LIMIT_S, wait_until
 from roah_rsbb.standby.pair import Side
 from roah_rsbb.standby.pairing import PairedBox, PairedStandby, is_standby, partners_of, write_box, write_standby
 from roah_rsbb.standby.program import prepared as module
+from roah_rsbb.standby.program.keeping import Reply, Requests, request
 from roah_rsbb.standby.program.prepared import Prepared
-from roah_rsbb.standby.program.request import Reply, Requests, request
 
 
 class NotYet(Exception):
