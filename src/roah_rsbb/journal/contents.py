@@ -31,7 +31,7 @@ _ENCODER = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"))
 ROW = ("identity", "zone", "benchmark", "team", "round", "run", "scheduled", "opened_utc")
 
 
-# -- whether another box took over -------------------------------------------------------------------
+# -- whether another box took over ------------------------------------------------------------------
 
 FIRST = 1
 
@@ -82,7 +82,7 @@ def standing_after(standing: BoxEpoch, value: Any) -> BoxEpoch:
     return standing
 
 
-# -- the contents ------------------------------------------------------------------------------------
+# -- the contents -----------------------------------------------------------------------------------
 
 
 class RunEntry:

@@ -29,7 +29,7 @@ class Kind:
     EPOCH = "epoch"  # a standby took over: here, or from the box of this journal (`journal/epochs.py`)
 
 
-# -- a batch -----------------------------------------------------------------------------------------
+# -- a batch ----------------------------------------------------------------------------------------
 
 # Its values are those of JSON: no tuples in what changes.
 
@@ -102,7 +102,7 @@ class Batch:
         return not any(vars(self).values())
 
 
-# -- a record ----------------------------------------------------------------------------------------
+# -- a record ---------------------------------------------------------------------------------------
 
 
 ENTRIES = "e"  # [[number, utc, mono, zone, identity, port, who, kind, value] …]
@@ -223,7 +223,7 @@ def entries_in(payload: bytes, letters: Iterable[str]) -> List[List[Any]]:
     return sorted(found, key=lambda entry: entry[0])
 
 
-# -- changes of a state ------------------------------------------------------------------------------
+# -- changes of a state -----------------------------------------------------------------------------
 
 # A complete state follows after this many differences, so that a damaged entry hides no more than these.
 COMPLETE_EVERY = 200

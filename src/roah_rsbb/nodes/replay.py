@@ -26,7 +26,7 @@ from roah_rsbb.model.document import REPLAY as PREFIX
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.nodes.core.original import CoreServices, OriginalTopics
 from roah_rsbb.nodes.replayed_box import CannotReplay, ReplayedBox, configuration, read_run
-from roah_rsbb.results.runs import NoSuchRun
+from roah_rsbb.results.runs import NotPossible
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.loop_services import LoopServices
 from roah_rsbb.ros.node import RosLoop
@@ -188,7 +188,7 @@ def main() -> None:
         for text in warnings:
             print(f"replay: {text}", file=sys.stderr)
         core = live_core(REPLAY, ANSWER_S, True)
-    except (JournalError, NoSuchRun, CannotReplay, ConfigErrors) as error:
+    except (JournalError, NotPossible, CannotReplay, ConfigErrors) as error:
         sys.exit(f"replay: {error}")
     except OSError:
         sys.exit(f"replay: no ROS master answers at {rosgraph.get_master_uri()}: start one with 'roscore'")

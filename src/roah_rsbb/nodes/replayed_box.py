@@ -79,7 +79,7 @@ class ReplayedRun(NamedTuple):
 
 
 def read_run(reader: JournalReader, word: str, warnings: List[str]) -> ReplayedRun:
-    """Read the run with this number or identity. Raises `CannotReplay`, `NoSuchRun` and JournalError."""
+    """Read the run with this number or identity. Raises `CannotReplay`, `NotPossible` and JournalError."""
     number, record = find_record(reader, word, warnings.append)
     played, moments = _read(reader, number, record, warnings)
     if not moments:

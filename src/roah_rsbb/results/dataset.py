@@ -6,21 +6,36 @@ options always give the same bytes (docs/results.md, "Data set").
 
 import contextlib
 import hashlib
+import hmac
 import json
 import os
 import re
 import tempfile
 from typing import Any, Callable, Dict, Iterable, Iterator, NamedTuple, Optional, TextIO, Tuple
 
+from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.journal.records import Kind
 from roah_rsbb.model import run_log
 from roah_rsbb.model.messages import LinkSample
-from roah_rsbb.results.anonymous import Names, anonymous
-from roah_rsbb.results.events import COMMANDS, sections
+from roah_rsbb.model.records import (
+    JudgeAct,
+    JudgeSheet,
+    Objection,
+    Published,
+    Rating,
+    RunRecord,
+    ScoreEntry,
+    ScoreValue,
+    Settlement,
+    SignOff,
+    StopRecord,
+    Waiver,
+)
+from roah_rsbb.results.events import COMMANDS, goals, sections
 from roah_rsbb.results.export import RUN_COLUMNS, SCORE_COLUMNS, Cell, run_row, score_rows, write_rows, write_table
-from roah_rsbb.results.goals import goals
-from roah_rsbb.results.judging import judged_items, submitted
-from roah_rsbb.results.runs import RunResult
+from roah_rsbb.results.runs import RobotPart, RunResult, judged_items, submitted
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
+from roah_rsbb.wording.sheets import node_of
 from roah_rsbb.wording.texts import one_line
 from roah_rsbb.wording.times import iso
 
@@ -29,6 +44,109 @@ PACKAGE, README, SUMS = "datapackage.json", "README.md", "SHA256SUMS"
 _TIME_FORMAT = "%Y-%m-%dT%H:%M:%S.%f+00:00"
 # Names that the specification allows for a licence, such as CC-BY-4.0.
 _LICENCE_NAME = re.compile(r"[-a-zA-Z0-9._]+")
+
+
+# -- pseudonyms -------------------------------------------------------------------------------------
+
+# Hexadecimal digits of a pseudonym: two names of a competition never get the same one.
+_DIGITS = 12
+
+
+class Names:
+    """Makes the pseudonyms of a journal.
+
+    A pseudonym is a keyed hash (HMAC). The key comes from parts of the journal that are never published: the same
+    journal always has the same pseudonyms, but nobody can find a name by trying the names of all teams. Texts of the
+    rulebook stay: zones, benchmarks, items, groups, units, states.
+    """
+
+    def __init__(self, key: bytes) -> None:
+        self._key = key
+
+    def of(self, kind: str, name: str) -> str:
+        """Return the pseudonym of a name or text of this kind; empty stays empty."""
+        if not name:
+            return ""
+        digest = hmac.new(self._key, f"{kind}\0{name}".encode("utf-8", "surrogatepass"), hashlib.sha256)
+        return f"{kind}-{digest.hexdigest()[:_DIGITS]}"
+
+    def person(self, who: str) -> str:
+        """Return the pseudonym of a person, the same one whichever node their calls came from."""
+        node = node_of(who)
+        return self.of("person", who if node in ("", who) else who[:-len(f" ({node})")])
+
+    def text(self, text: str) -> str:
+        """Return the pseudonym of a free text."""
+        return self.of("text", text)
+
+
+def names_of(reader: JournalReader) -> Names:
+    """Return the pseudonyms of a journal."""
+    secret = json.dumps([session[1:] for session in reader.sessions()])
+    return Names(hashlib.sha256(secret.encode()).digest())
+
+
+def _nothing(_names: Names, _text: str) -> str:
+    return ""
+
+
+def _team(names: Names, team: str) -> str:
+    return team if team == ALL_TEAMS else names.of("team", team)
+
+
+def _robots(names: Names, robots: Tuple[str, ...]) -> Tuple[str, ...]:
+    return tuple(names.of("robot", robot) for robot in robots)
+
+
+def _proposals(names: Names, proposals: Tuple[Tuple[str, str], ...]) -> Tuple[Tuple[str, str], ...]:
+    return tuple(sorted((names.person(judge), value) for judge, value in proposals))
+
+
+def _module_value(names: Names, text: str) -> str:
+    try:
+        value = json.loads(text)
+    except ValueError:
+        value = text
+    is_number = value is None or isinstance(value, (bool, int, float))
+    return text if is_number else json.dumps(names.text(text))
+
+
+# What replaces the fields of records that have names or free texts. `Names` replaces the texts that are made from the
+# journal's entries.
+_HIDDEN: Dict[type, Dict[str, Callable[[Names, Any], Any]]] = {
+    RunResult: {"entries": lambda _, entries: entries},
+    RunRecord: {"team": _team, "robots": _robots, "marks": _nothing},
+    ScoreEntry: {
+        "who": Names.person, "note": Names.text, "judge": Names.person, "withdrawn_by": Names.person,
+        "withdrawn_note": Names.text, "device": lambda names, device: names.of("device", device)},
+    Rating: {"judge": Names.person},
+    ScoreValue: {"value": _module_value},
+    StopRecord: {"who": Names.person, "reason": Names.text, "reason_by": Names.person, "desc": Names.text},
+    SignOff: {"who": Names.person},
+    JudgeSheet: {"judge": Names.person, "device": _nothing, "marks": _nothing, "again": Names.text},
+    Settlement: {"who": Names.person, "reason": Names.text, "proposals": _proposals},
+    Waiver: {"who": Names.person, "reason": Names.text},
+    JudgeAct: {"who": Names.person, "judge": Names.person, "reason": Names.text},
+    Published: {"who": Names.person},
+    Objection: {
+        "by": Names.text, "text": Names.text, "who": Names.person, "answered_by": Names.person, "answer": Names.text},
+    RobotPart: {"team": _team, "robot": lambda names, robot: names.of("robot", robot), "log_file": _nothing},
+    LinkSample: {"host": lambda names, host: names.of("address", host)},
+}
+
+
+def anonymous(value: Any, names: Names) -> Any:
+    """Return a run or a record, with all its parts, without names."""
+    if not isinstance(value, tuple):
+        return value
+    if not hasattr(value, "_fields"):
+        return tuple(anonymous(part, names) for part in value)
+    hidden = _HIDDEN.get(value.__class__, {})
+    return value._make(hidden[name](names, part) if name in hidden else anonymous(part, names)
+                       for name, part in zip(value._fields, value))
+
+
+# -- the description --------------------------------------------------------------------------------
 
 
 class Column(NamedTuple):

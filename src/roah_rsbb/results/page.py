@@ -11,8 +11,9 @@ import hashlib
 import html
 import json
 import os
+import pathlib
 import re
-from typing import Callable, Iterable, NamedTuple, Sequence, Union
+from typing import Callable, Iterable, List, NamedTuple, Sequence, Union
 
 from roah_rsbb.wording.texts import visible
 
@@ -181,6 +182,11 @@ def picture_address(path: str) -> str:
     if not kind or not data.lstrip().startswith(begin):
         raise ValueError(f"{path} is not a picture: give a PNG, JPEG or SVG file")
     return f"data:{kind};base64,{base64.b64encode(data).decode()}"
+
+
+def resource_texts(folder: str, *names: str) -> List[str]:
+    """Read files that become part of a page. Raises OSError."""
+    return [pathlib.Path(folder, name).read_text(encoding="utf-8") for name in names]
 
 
 def json_text(value: object) -> str:

@@ -17,6 +17,7 @@ from types import TracebackType
 from typing import Any, Dict, Iterable, List, Optional, Type
 
 from roah_rsbb.ground import linux
+from roah_rsbb.results.runs import NotPossible
 
 # The first one that is installed is used. The headless shell has no window and starts in a quarter of the time.
 BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
@@ -33,15 +34,11 @@ _IMAGES = "Promise.all([...document.images].map(image => image.decode().catch(()
 _DATE = re.compile(rb"(?<=/)(CreationDate|ModDate) \(D:\d{14}")
 
 
-class CannotPrint(Exception):
-    """No PDF was made. The text names the remedy."""
-
-
 def browser() -> str:
-    """Return the browser's path; raises `CannotPrint`."""
+    """Return the browser's path; raises `NotPossible`."""
     found = next((path for path in map(shutil.which, BROWSERS) if path), None)
     if found is None:
-        raise CannotPrint(
+        raise NotPossible(
             f"a PDF needs one of {', '.join(BROWSERS)}: install it (sudo apt install chromium), or export with --html "
             "and print the pages in any browser"
         )
@@ -107,7 +104,7 @@ class Printer:
         self._folder.cleanup()
 
     def print(self, html: str, path: str) -> None:
-        """Print a page into a file; raises `CannotPrint` or OSError. An old file is replaced completely, or stays.
+        """Print a page into a file; raises `NotPossible` or OSError. An old file is replaced completely, or stays.
         """
         until = time.monotonic() + TIMEOUT_S
         target = self._ask(until, "Target.createTarget", url="about:blank")["targetId"]
@@ -140,7 +137,7 @@ class Printer:
             if answer.get("id") != self._number:
                 continue  # an event
             if "error" in answer:
-                raise CannotPrint(f"{self._program} printed nothing ({answer['error'].get('message')}): export with "
+                raise NotPossible(f"{self._program} printed nothing ({answer['error'].get('message')}): export with "
                                   "--html instead, and print the pages in any browser")
             return dict(answer["result"])
 
@@ -148,14 +145,14 @@ class Printer:
         parts: List[bytes] = [self._unread]
         while b"\0" not in parts[-1]:
             if not select.select([self._answers], (), (), max(0.0, until - time.monotonic()))[0]:
-                raise CannotPrint(f"{self._program} did not print within {TIMEOUT_S:.0f} s: export with --html instead")
+                raise NotPossible(f"{self._program} did not print within {TIMEOUT_S:.0f} s: export with --html instead")
             parts.append(os.read(self._answers, _PIECE))
             if not parts[-1]:
                 raise self._failed()
         message, _, self._unread = b"".join(parts).partition(b"\0")
         return message
 
-    def _failed(self) -> CannotPrint:
+    def _failed(self) -> NotPossible:
         """Return an error that says why the browser ended."""
         try:
             status = f"exit status {self._process.wait(CLOSE_S)}"
@@ -163,7 +160,7 @@ class Printer:
             status = "it closed its pipe"
         self._errors.seek(0)
         said = self._errors.read().decode("utf-8", "replace").strip().splitlines()[-1:]
-        return CannotPrint(f"{self._program} printed nothing ({' '.join(said) or status}): export with --html instead, "
+        return NotPossible(f"{self._program} printed nothing ({' '.join(said) or status}): export with --html instead, "
                            "and print the pages in any browser")
 
 

@@ -2,13 +2,13 @@
 
 import re
 from functools import partial
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from roah_rsbb.journal.reader import JournalEntry, JournalReader, JournalRun
 from roah_rsbb.journal.records import ChangesReader
 from roah_rsbb.model import run_log
 from roah_rsbb.model.messages import LinkSample
-from roah_rsbb.model.records import RunRecord
+from roah_rsbb.model.records import ItemRecord, JudgeSheet, RunRecord, Settlement
 from roah_rsbb.model.saved import BadState, thaw
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.sheets import with_counting
@@ -66,8 +66,8 @@ def run_state_of(moment: RunMoment) -> Dict[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
-class NoSuchRun(Exception):
-    """The run does not exist. The text says which runs do."""
+class NotPossible(Exception):
+    """What was asked for is not possible. The text names the remedy."""
 
 
 def records(reader: JournalReader, warn: Callable[[str], None]) -> List[RunRecord]:
@@ -113,7 +113,7 @@ def _head(row: Tuple[Any, ...], warn: Callable[[str], None]) -> RunHead:
 
 
 def find_record(reader: JournalReader, word: str, warn: Callable[[str], None]) -> Tuple[int, RunRecord]:
-    """Return the number and the record of the run that `find` finds. Raises `NoSuchRun`."""
+    """Return the number and the record of the run that `find` finds. Raises `NotPossible`."""
     known = reader.identities()
     place = find(known, word)
     return place + 1, _record(reader.run(known[place]), warn)
@@ -157,7 +157,7 @@ def file_name(number: int, record: RunRecord) -> str:
 
 def find(known: Sequence[str], word: str) -> int:
     """Return the index of the run with this number (from 1), identity, or unique prefix of an identity. `known`: the
-    identities of all runs, in order. Raises `NoSuchRun`.
+    identities of all runs, in order. Raises `NotPossible`.
     """
     by_identity: Dict[str, int] = {identity: i for i, identity in enumerate(known)}
     if word in by_identity:
@@ -169,9 +169,9 @@ def find(known: Sequence[str], word: str) -> int:
         return begin[0]
     if begin:
         names = ", ".join(known[i] for i in begin[:5])
-        raise NoSuchRun(f"'{word}' matches {len(begin)} runs ({names} …): be more specific")
+        raise NotPossible(f"'{word}' matches {len(begin)} runs ({names} …): be more specific")
     numbers = f"there are 1 to {len(known)}" if known else "there are no runs yet"
-    raise NoSuchRun(f"there is no run '{word}': {numbers}. 'results list' lists them")
+    raise NotPossible(f"there is no run '{word}': {numbers}. 'results list' lists them")
 
 
 def taken_s(record: Union[RunRecord, RunHead]) -> Optional[float]:
@@ -265,3 +265,68 @@ def _offsets(result: RunResult) -> Tuple[Dict[int, float], float]:
         if entry.kind == run_log.END:
             break  # what follows are corrections, perhaps of another day
     return offsets, step_s
+
+
+# -- judges and objections --------------------------------------------------------------------------
+
+
+class ItemProposals(NamedTuple):
+    """An item with what each judge submitted."""
+
+    item: ItemRecord  # as it counts
+    proposals: Tuple[str, ...]  # in the order of the judges
+    settlement: Optional[Settlement]  # the one that counts; None: the judges agreed, or nobody settled it
+
+
+def submitted(record: RunRecord) -> Tuple[JudgeSheet, ...]:
+    """Return the sheets that count, by the judges' names; none before all who are awaited have submitted."""
+    judging, rule = record.judging, None if record.form is None else record.form.judges
+    found = sorted((s for s in judging.sheets if s.submitted_utc and not s.withdrawn_utc), key=lambda s: s.judge)
+    is_complete = judging.waiver is not None or (rule is not None and len(found) >= rule.count)
+    return tuple(found) if is_complete else ()
+
+
+def ratings(record: RunRecord, item: ItemRecord) -> Tuple[Tuple[str, str], ...]:
+    """Return what each judge gave for an item that judges rate. If they have sheets of their own, what counts in the
+    run's sheet may be a settlement instead."""
+    if record.form is None or record.form.judges is None:
+        return item.ratings
+    return tuple((one.judge, each.text) for one in submitted(record) for each in one.items
+                 if each.key == item.key and item.kind == "rating")
+
+
+def judged_items(record: RunRecord) -> Iterator[ItemProposals]:
+    """Return the items of a run with what its judges submitted; none if it has no judges."""
+    judges = submitted(record)
+    settled = {(s.group, s.desc): s for s in record.judging.settlements}
+    if not judges and not settled:
+        return
+    for item in record.items:
+        values = {one.judge: sheets.in_words(each) for one in judges for each in one.items if each.key == item.key}
+        settlement = settled.get(item.key)
+        counts = settlement is not None and settlement.proposals == tuple(sorted(values.items()))
+        yield ItemProposals(item, tuple(values.get(s.judge, "") for s in judges), settlement if counts else None)
+
+
+def act_lines(record: RunRecord) -> List[Tuple[float, str, str]]:
+    """Return what was done with the judges' sheets: UTC seconds, who, what."""
+    return [
+        (act.utc, act.who, act.act + (f" the sheet of {act.judge}" if act.judge and act.judge != act.who else "")
+         + (f": {act.reason}" if act.reason else ""))
+        for act in record.judging.acts
+    ]
+
+
+def objection_lines(record: RunRecord) -> List[Tuple[float, str, str]]:
+    """Return the publication of a result, the objections and their answers: UTC seconds, who, what."""
+    published, lines = record.publication.published, []
+    if published is not None:
+        seconds = round(published.until_utc - published.utc)
+        given = f"{seconds} s" if seconds % 60 else f"{seconds // 60} min"
+        lines.append((published.utc, published.who, f"Published as provisional, {given} for objections"))
+    for one in record.publication.objections:
+        lines.append((one.utc, one.who, f"Objection {one.number} of {one.by}: {one.text}"))
+        if one.answered_utc:
+            answer = f"Objection {one.number} {'upheld' if one.upheld else 'rejected'}: {one.answer}"
+            lines.append((one.answered_utc, one.answered_by, answer))
+    return sorted(lines, key=lambda line: line[0])

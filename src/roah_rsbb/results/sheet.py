@@ -5,16 +5,20 @@ from typing import Iterator, List, Optional, Sequence, Tuple
 
 from roah_rsbb.model.records import ItemRecord, RunRecord, StopRecord, grouped
 from roah_rsbb.results.events import Section, box_states, robot_states, sections
-from roah_rsbb.results.judging import act_lines, judged_items, objection_lines, ratings, submitted
 from roah_rsbb.results.link_report import LinkRows, link_lines, link_plot
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, facts_table, joined, page, table, tag
 from roah_rsbb.results.paper import front_markup, front_of, robots_of
 from roah_rsbb.results.runs import (
     RobotPart,
     RunResult,
+    act_lines,
     clock_text,
+    judged_items,
+    objection_lines,
+    ratings,
     run_state_text,
     signature_of,
+    submitted,
     taken_text,
     without_step,
 )

@@ -12,6 +12,7 @@ from roah_rsbb.model.document import PublicRank, PublicStanding
 from roah_rsbb.model.reason import Reason, say
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.model.scoring import SheetForm
+from roah_rsbb.results.lists import aligned
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, joined, page, table, tag
 from roah_rsbb.results.runs import run_state_text, signature_of
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_RULES, EventRules
@@ -414,9 +415,7 @@ def standing_lines(standing: Standing) -> Iterator[str]:
         (rank_text(team), one_line(team.team), *map(one_line, number_cells(standing, team)), str(len(team.runs)))
         for team in standing.lines
     ]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    for row in rows:
-        yield "  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip()
+    yield from (f"  {line}" for line in aligned(rows))
     for remark in standing.remarks:
         yield f"  * {one_line(remark)}"
 

@@ -8,22 +8,47 @@ box. It makes all bags that are missing: after a restart, a takeover or a full d
 import logging
 import os
 import queue
+import re
 import subprocess
 import threading
 import time
-from typing import Callable, Dict, Iterable, List, Optional, Set
+from typing import Callable, Container, Dict, Iterable, List, Optional, Set
 
 from roah_rsbb.core import effects
 from roah_rsbb.ground import linux
 from roah_rsbb.ground.arguments import without_ros
-from roah_rsbb.run_logs.names import log_name, unused
+from roah_rsbb.wording.times import formatted
 
 # A bag that could not be made is tried again after this time, which doubles each time (s).
 RETRY_S, MOST_RETRY_S = 2.0, 64.0
 # Time limit for making the last bags when the box ends.
 STOP_S = 5.0
 
+SUFFIX = ".bag"
+# Longest robot name in a file name (characters).
+MAX_ROBOT_NAME = 40
+
 _log = logging.getLogger(__name__)
+
+
+def log_name(utc: float, team: str, robot: str, round_: int, run: int, box_uuid: str) -> str:
+    """The file name of a run's log that begins at `utc` (s); `robot` is empty unless a team has several robots."""
+    local = formatted(utc, "%Y-%m-%d_%H-%M-%S", in_utc=False)
+    team = re.sub(r"[^\w.-]", "-", team)
+    # The name comes from the robot: its characters and length are unchecked.
+    robot = re.sub(r"[^A-Za-z0-9_.-]", "-", robot)[:MAX_ROBOT_NAME]
+    who = f"{team}_{robot}" if robot else team
+    return f"online_log_{local}_{who}_round{round_}_run{run}_{box_uuid}{SUFFIX}"
+
+
+def unused(path: str, port: int, in_use: Container[str]) -> str:
+    """The path, or one with the run's port if the path is in use.
+
+    That happens if two robots have similar names, or if the same event was opened within one second.
+    """
+    if path not in in_use and not os.path.exists(path):
+        return path
+    return f"{path[:-len(SUFFIX)]}_port{port}{SUFFIX}"
 
 
 class RunLogWriter:

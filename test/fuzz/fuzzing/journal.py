@@ -30,7 +30,7 @@ from roah_rsbb.journal.records import Batch
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.protocol import RobotState
-from roah_rsbb.run_logs.names import log_name
+from roah_rsbb.run_logs.writer import log_name
 
 _LARGEST = 300_000
 _VALUES: Tuple[Any, ...] = (

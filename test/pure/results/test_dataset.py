@@ -14,8 +14,7 @@ from helpers.results_of import EVIL, full_record, task_record, write_competition
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, Rating
-from roah_rsbb.results.anonymous import names_of
-from roah_rsbb.results.dataset import FILES, TABLES, DatasetOptions, write_dataset
+from roah_rsbb.results.dataset import FILES, TABLES, DatasetOptions, names_of, write_dataset
 from roah_rsbb.results.runs import records, run_result
 from roah_rsbb.wording.texts import visible
 

@@ -22,11 +22,10 @@ from roah_rsbb.core.views.schedule import schedule
 from roah_rsbb.core.views.sheets import run_sheet
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.reason import Refused, RunName
-from roah_rsbb.results.checklist import checklist
 from roah_rsbb.results.dataset import _run_rows
 from roah_rsbb.results.export import exported, result_rows
-from roah_rsbb.results.report.facts import facts_of
-from roah_rsbb.results.run_list import list_lines
+from roah_rsbb.results.lists import checklist, list_lines
+from roah_rsbb.results.report_numbers import facts_of
 from roah_rsbb.results.runs import records, run_result
 from roah_rsbb.results.sheet import sheet_lines, sheet_page
 from roah_rsbb.results.standings import index_page, public_standings, standings

@@ -14,8 +14,7 @@ from helpers.replayed import ReplayedCompetition, SetClock
 from helpers.replayed import clock_at as times_at
 from helpers.results_of import EVIL, write_full_run
 from roah_rsbb.journal.reader import JournalReader
-from roah_rsbb.results.replay import replay_data
-from roah_rsbb.results.replay_page import page_parts, replay_name, replay_of, replay_page
+from roah_rsbb.results.replay import page_parts, replay_data, replay_name, replay_of, replay_page
 from roah_rsbb.results.runs import records, run_moments, run_result
 from roah_rsbb.results.sheet import sheet_page
 from roah_rsbb.wording import sheets

@@ -6,7 +6,7 @@ import pytest
 
 from helpers.results_of import task_record
 from roah_rsbb.journal.reader import JournalEntry
-from roah_rsbb.results.goals import goals
+from roah_rsbb.results.events import goals
 from roah_rsbb.results.runs import RobotPart, RunResult
 
 RECORD = task_record("Alpha", 1)

@@ -14,10 +14,10 @@ from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, PhaseTime
 from roah_rsbb.results.events import box_states, robot_states, sections
 from roah_rsbb.results.export import result_rows
+from roah_rsbb.results.lists import list_lines
 from roah_rsbb.results.page import tag
 from roah_rsbb.results.paper import front_of
-from roah_rsbb.results.run_list import list_lines
-from roah_rsbb.results.runs import NoSuchRun, RunResult, find, records, run_result, run_state_text
+from roah_rsbb.results.runs import NotPossible, RunResult, find, records, run_result, run_state_text
 from roah_rsbb.results.sheet import sheet_lines, sheet_page
 from roah_rsbb.wording import texts, times
 
@@ -101,9 +101,9 @@ def test_a_run_is_found_by_number_identity_or_its_beginning():
     assert [find(known, word) for word in ("1", "3", known[1], "HWV")] == [0, 2, 1, 2]
     for word, text in (("0", "there are 1 to 3"), ("4", "there are 1 to 3"), ("HG", "matches 2 runs"), ("", "list"),
                        ("x", "results list")):
-        with pytest.raises(NoSuchRun, match=text):
+        with pytest.raises(NotPossible, match=text):
             find(known, word)
-    with pytest.raises(NoSuchRun, match="no runs yet"):
+    with pytest.raises(NotPossible, match="no runs yet"):
         find([], "1")
 
 

@@ -5,7 +5,7 @@ import dataclasses
 from helpers.competition import event
 from helpers.results_of import UTC0, task_record
 from roah_rsbb.model.records import SignOff
-from roah_rsbb.results.checklist import check_lines, checklist, summary
+from roah_rsbb.results.lists import check_lines, checklist, summary
 from roah_rsbb.rulebook.benchmarks import CountingAttempt, EventRules, NoShow, ZonePlan
 from roah_rsbb.scoring.counting import RunChoice, rulings, with_events
 

@@ -14,8 +14,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.journal.records import Kind
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
-from roah_rsbb.results.anonymous import names_of
-from roah_rsbb.results.dataset import DatasetOptions, write_dataset
+from roah_rsbb.results.dataset import DatasetOptions, names_of, write_dataset
 from roah_rsbb.results.export import RESULT_COLUMNS, exported, result_rows, write_table
 from roah_rsbb.results.runs import records, run_result
 from roah_rsbb.results.sheet import sheet_lines, sheet_page

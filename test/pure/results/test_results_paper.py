@@ -16,7 +16,7 @@ from roah_rsbb.model.records import ItemRecord, ScoreEntry, ScoreValue, SignOff,
 from roah_rsbb.results import paper, printing
 from roah_rsbb.results.page import LONGEST_WORD, Competition, breakable, page, tag
 from roah_rsbb.results.paper import blank_front, cut, front_markup, front_of, layout_of, wrapped_lines
-from roah_rsbb.results.printing import CannotPrint, Printer, print_pdf, without_font
+from roah_rsbb.results.printing import NotPossible, Printer, print_pdf, without_font
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.standing_rules import Criterion, OfRuns, Rules, Term, read_rules
@@ -223,7 +223,7 @@ def document():
 def chromium():
     try:
         return printing.browser()
-    except CannotPrint as missing:
+    except NotPossible as missing:
         pytest.skip(str(missing))
 
 
@@ -289,7 +289,7 @@ def test_a_browser_that_hangs(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
     monkeypatch.setattr(printing, "TIMEOUT_S", 0.1)
     monkeypatch.setattr(printing, "CLOSE_S", 0.1)
-    with pytest.raises(CannotPrint, match="did not print within 0 s"):
+    with pytest.raises(NotPossible, match="did not print within 0 s"):
         print_pdf("", str(tmp_path / "x.pdf"))
     assert not (tmp_path / "x.pdf").exists()
     assert select.select([living], [], [], 60)[0] and os.read(living, 1) == b"", "the browser has ended"
@@ -298,7 +298,7 @@ def test_a_browser_that_hangs(monkeypatch, tmp_path):
 
 def test_without_a_browser_the_remedy_is_reported(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(CannotPrint, match="sudo apt install chromium.*--html"):
+    with pytest.raises(NotPossible, match="sudo apt install chromium.*--html"):
         print_pdf("", str(tmp_path / "x.pdf"))
 
 
@@ -309,6 +309,6 @@ def test_a_browser_that_prints_nothing(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
     old = tmp_path / "x.pdf"
     old.write_text("old")
-    with pytest.raises(CannotPrint, match="printed nothing .it broke.: export with --html"):
+    with pytest.raises(NotPossible, match="printed nothing .it broke.: export with --html"):
         print_pdf("", str(old))
     assert old.read_text() == "old"

@@ -8,7 +8,7 @@ import pytest
 from helpers.bags import END, SCORE, STATE, TEXT, rosbag
 from roah_rsbb.model.run_log import KINDS, LogKind
 from roah_rsbb.run_logs import bag
-from roah_rsbb.run_logs.messages import HEADERS, BadEntry, message_of
+from roah_rsbb.run_logs.bag import HEADERS, BadEntry, message_of
 
 genpy, std_msgs = pytest.importorskip("genpy"), pytest.importorskip("std_msgs.msg")
 TYPES = {LogKind.UINT8: std_msgs.UInt8, LogKind.STRING: std_msgs.String, LogKind.EMPTY: std_msgs.Empty,

@@ -13,7 +13,7 @@ from roah_rsbb.ground import durable
 from roah_rsbb.journal import contents
 from roah_rsbb.journal import log as logs
 from roah_rsbb.journal import reader as readers
-from roah_rsbb.run_logs.bag_file import write_bag, write_bags
+from roah_rsbb.run_logs.bag import write_bag, write_bags
 
 ALL_KINDS = [(STATE, 3, UTC), (TEXT, "Grüße", UTC), (SCORE, ["Group", "Item", -2], UTC + 1), (END, None, UTC + 1)]
 
@@ -52,7 +52,7 @@ def test_the_last_of_the_disk_belongs_to_the_journal(path, monkeypatch):
 
 KILLED = """
 import os, signal, sys
-from roah_rsbb.run_logs.bag_file import write_bag
+from roah_rsbb.run_logs.bag import write_bag
 step = sys.argv[2]
 def kill(*_):
     os.kill(os.getpid(), signal.SIGKILL)

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from roah_rsbb.run_logs.names import log_name, unused
+from roah_rsbb.run_logs.writer import log_name, unused
 
 
 def _name(team="Alpha", robot=""):

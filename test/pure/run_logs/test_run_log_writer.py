@@ -12,8 +12,8 @@ from helpers.results_of import task_record
 from roah_rsbb.core.effects import RunClosed, RunOpened
 from roah_rsbb.ground import linux
 from roah_rsbb.journal.records import Batch
-from roah_rsbb.results.bags import LOCK
 from roah_rsbb.run_logs import writer as writers
+from roah_rsbb.run_logs.bag import LOCK
 from roah_rsbb.run_logs.writer import RunLogWriter
 
 PORT, OTHER = 6670, 6671

@@ -12,7 +12,7 @@ from support.browser import NeedsBrowser, Page
 
 from helpers.replayed import Look, ReplayedCompetition
 from roah_rsbb.journal.reader import JournalReader
-from roah_rsbb.results.replay_page import page_parts, replay_name, replay_of
+from roah_rsbb.results.replay import page_parts, replay_name, replay_of
 from roah_rsbb.results.runs import records, run_result
 from roah_rsbb.wording import sheets
 

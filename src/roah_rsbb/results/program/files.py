@@ -3,39 +3,49 @@
 import argparse
 import json
 import os
+import signal
 import sys
-from typing import Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Set, TextIO
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, TextIO
 
 from roah_rsbb.journal.log import names_in
-from roah_rsbb.journal.processes import shared_out, usable_processors
 from roah_rsbb.journal.reader import JournalReader, journal_in
 from roah_rsbb.model.records import RunRecord
-from roah_rsbb.results import checklist as checklists
-from roah_rsbb.results import dataset
+from roah_rsbb.results import lists
 from roah_rsbb.results import standings as ranking
-from roah_rsbb.results.anonymous import names_of
-from roah_rsbb.results.dataset import write_dataset
+from roah_rsbb.results.dataset import DatasetOptions, names_of, write_dataset
 from roah_rsbb.results.events import in_order, sections_of
 from roah_rsbb.results.export import (
     RESULT_COLUMNS,
     STANDING_COLUMNS,
     exported,
     exported_standings,
+    library,
     result_rows,
     standing_rows,
+    write_mcap,
     write_table,
 )
-from roah_rsbb.results.mcap_file import library, write_mcap
 from roah_rsbb.results.page import Competition, page, picture_address
 from roah_rsbb.results.paper import blank_front, front_markup
 from roah_rsbb.results.printing import Printer, browser, print_pdf, without_font
-from roah_rsbb.results.program.counting import benchmarks, choice, known_records, ruled, rules, why_of
-from roah_rsbb.results.program.journal import BENCHMARKS_FILE, SCHEDULE_FILE, Usage, file, files_of, open_journal, warn
-from roah_rsbb.results.replay_page import PageParts, page_parts, replay_name, replay_of
-from roah_rsbb.results.report.facts import RunFacts, facts_of, link_period_s
-from roah_rsbb.results.report.pages import Compared, Site, all_pages, comparison
-from roah_rsbb.results.report.plots import Assets, assets
-from roah_rsbb.results.runs import RunResult, file_name, find, find_record, run_result
+from roah_rsbb.results.program.commands import (
+    BENCHMARKS_FILE,
+    SCHEDULE_FILE,
+    benchmarks,
+    choice,
+    file,
+    files_of,
+    known_records,
+    open_journal,
+    ruled,
+    rules,
+    warn,
+    why_of,
+)
+from roah_rsbb.results.replay import PageParts, page_parts, replay_name, replay_of
+from roah_rsbb.results.report import Assets, Compared, Site, all_pages, assets, comparison
+from roah_rsbb.results.report_numbers import RunFacts, facts_of, link_period_s
+from roah_rsbb.results.runs import NotPossible, RunResult, file_name, find, find_record, run_result
 from roah_rsbb.results.sheet import sheet_page
 from roah_rsbb.results.standings import Standing, index_page, standing_lines, standings_page
 from roah_rsbb.rulebook import config
@@ -44,15 +54,17 @@ from roah_rsbb.scoring.counting import Why
 
 # The log_dir in the folder of a competition.
 LOG_FOLDER = "log"
+# More processes take more memory than a report may take.
+MOST_PROCESSES = 3
 
 
 def export(options: argparse.Namespace) -> int:
     """The command of this name."""
     if not (options.csv or options.json or options.html or options.pdf or options.dataset or options.mcap):
-        raise Usage("choose what to write: --csv FILE, --json FILE, --html DIR, --pdf DIR, --dataset DIR, --mcap DIR, "
-                    "or several of them")
+        raise NotPossible("choose what to write: --csv FILE, --json FILE, --html DIR, --pdf DIR, --dataset DIR, "
+                          "--mcap DIR, or several of them")
     if (options.anonymous or options.licence) and not options.dataset:
-        raise Usage("--anonymous and --licence are for a data set: name its folder with --dataset DIR")
+        raise NotPossible("--anonymous and --licence are for a data set: name its folder with --dataset DIR")
     # Before anything is written.
     if options.pdf:
         browser()
@@ -82,7 +94,7 @@ def export(options: argparse.Namespace) -> int:
     if options.dataset:
         os.makedirs(options.dataset, exist_ok=True)
         names = names_of(reader) if options.anonymous else None
-        write_dataset(options.dataset, results(), dataset.DatasetOptions(names, options.licence, options.title))
+        write_dataset(options.dataset, results(), DatasetOptions(names, options.licence, options.title))
         print(f"the data set of {len(chosen)} runs is in {options.dataset}")
     if options.mcap:
         os.makedirs(options.mcap, exist_ok=True)
@@ -121,7 +133,7 @@ def _write_pages(
 def replay(options: argparse.Namespace) -> int:
     """The command of this name."""
     if options.video and len(options.runs) != 1:
-        raise Usage("--video needs exactly one RUN, because each run has its own video")
+        raise NotPossible("--video needs exactly one RUN, because each run has its own video")
     parts = page_parts(_resource(options, "replay"))
     os.makedirs(options.html, exist_ok=True)
     reader = open_journal(options)
@@ -164,7 +176,7 @@ def _journal_in(source: str) -> str:
     for path in (journal_in(source), journal_in(os.path.join(source, LOG_FOLDER))):
         if os.path.exists(path):
             return path
-    raise Usage(f"{source}: there is no journal: name the folder of a competition, a log_dir, or a journal")
+    raise NotPossible(f"{source}: there is no journal: name the folder of a competition, a log_dir, or a journal")
 
 
 def _name_of(source: str) -> str:
@@ -200,15 +212,13 @@ def _written_site(options: argparse.Namespace, folder: str, shared: Assets, home
     period_s = link_period_s(known, as_of)
     about = _AboutRuns(
         folder, of_rules, titles, competition, parts, options.utc, period_s, why_of(options, known))
-    with shared_out(lambda item: _write_run(reader, about, *item), list(enumerate(known, 1)),
-                    usable_processors()) as all_written:
-        for record, written in zip(known, all_written):
-            for text in written.warnings:
-                warn(text)
-            runs.append(written.facts)
-            sheets[record.identity] = written.sheet
-            if written.replay:
-                replays[record.identity] = written.replay
+    for record, written in zip(known, _written_runs(reader, about, known)):
+        for text in written.warnings:
+            warn(text)
+        runs.append(written.facts)
+        sheets[record.identity] = written.sheet
+        if written.replay:
+            replays[record.identity] = written.replay
     site = Site(runs, ranked, sheets, replays, titles, as_of, options.utc, shared, competition, home, period_s)
     for name, text in all_pages(site).items():
         _write_html(text, os.path.join(folder, name))
@@ -235,6 +245,42 @@ class _WrittenRun(NamedTuple):
     sheet: str  # file in the report's folder
     replay: str  # the same; empty: none
     warnings: List[str]
+
+
+_shared: List[Any] = []  # in a process of `_written_runs`: the journal, and what the pages of all runs need
+
+
+def _written_runs(reader: JournalReader, about: _AboutRuns, known: Sequence[RunRecord]) -> Iterator[_WrittenRun]:
+    """Write the pages of all runs in several processes, because threads of Python do not compute at the same time."""
+    # Imported late: no other command needs them.
+    import multiprocessing
+    from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
+
+    count = min(MOST_PROCESSES, len(os.sched_getaffinity(0)), len(known))
+    if count < 2:
+        yield from (_write_run(reader, about, *run) for run in enumerate(known, 1))
+        return
+    with ProcessPoolExecutor(count, multiprocessing.get_context("fork"), _share, (reader, about)) as pool:
+        runs = [pool.submit(_write_shared_run, *run) for run in enumerate(known, 1)]
+        try:
+            for run in runs:
+                yield run.result()
+        except BrokenProcessPool:
+            raise NotPossible("a process of this program ended early: free memory, and repeat the command") from None
+        finally:
+            for run in runs:
+                run.cancel()
+
+
+def _share(*shared: object) -> None:
+    """Begin a process of `_written_runs`. What it needs comes by the fork."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process ends the others
+    _shared[:] = shared
+
+
+def _write_shared_run(number: int, record: RunRecord) -> _WrittenRun:
+    return _write_run(*_shared, number, record)
 
 
 def _write_run(reader: JournalReader, about: _AboutRuns, number: int, record: RunRecord) -> _WrittenRun:
@@ -269,7 +315,7 @@ def standings(options: argparse.Namespace) -> int:
     codes = [standing.benchmark for standing in ranked]
     unknown = [code for code in options.benchmarks if code not in codes]
     if unknown:
-        raise Usage(f"there are no runs of {', '.join(unknown)}; there are some of {', '.join(codes) or 'none'}")
+        raise NotPossible(f"there are no runs of {', '.join(unknown)}; there are some of {', '.join(codes) or 'none'}")
     if options.benchmarks:
         ranked = [standing for standing in ranked if standing.benchmark in options.benchmarks]
     if options.csv:
@@ -290,11 +336,11 @@ def standings(options: argparse.Namespace) -> int:
 def blank(options: argparse.Namespace) -> int:
     """The command of this name."""
     if not (options.html or options.pdf):
-        raise Usage("choose what to write: --html FILE, --pdf FILE, or both")
+        raise NotPossible("choose what to write: --html FILE, --pdf FILE, or both")
     loaded, plans = config.load_schedule(file(options, BENCHMARKS_FILE), file(options, SCHEDULE_FILE))
     unknown = [code for code in options.benchmarks if code not in loaded]
     if unknown:
-        raise Usage(f"there is no benchmark {', '.join(unknown)}; there are {', '.join(loaded)}")
+        raise NotPossible(f"there is no benchmark {', '.join(unknown)}; there are {', '.join(loaded)}")
     events = [(plan.name, event) for plan in plans for event in plan.events]
     events.sort(key=lambda line: line[1].scheduled)
     with_event = {event.benchmark.code for _, event in events}
@@ -312,8 +358,8 @@ def blank(options: argparse.Namespace) -> int:
 def checklist(options: argparse.Namespace) -> int:
     """The command of this name."""
     _, plans = config.load_schedule(file(options, BENCHMARKS_FILE), file(options, SCHEDULE_FILE))
-    lines = checklists.checklist(plans, ruled(options, known_records(options, open_journal(options))), options.utc)
-    for text in checklists.check_lines(lines, options.utc, options.missing):
+    lines = lists.checklist(plans, ruled(options, known_records(options, open_journal(options))), options.utc)
+    for text in lists.check_lines(lines, options.utc, options.missing):
         print(text)
     return 0 if all(line.is_final for line in lines) else 1
 
@@ -329,9 +375,9 @@ def _competition(options: argparse.Namespace) -> Competition:
     try:
         return Competition(options.title, picture_address(options.logo) if options.logo else "")
     except ValueError as error:
-        raise Usage(str(error)) from None
+        raise NotPossible(str(error)) from None
     except OSError as error:
-        raise Usage(f"{options.logo}: {error.strerror}: choose another picture with --logo") from None
+        raise NotPossible(f"{options.logo}: {error.strerror}: choose another picture with --logo") from None
 
 
 def _write_page(options: argparse.Namespace, text: str) -> None:

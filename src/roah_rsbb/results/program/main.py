@@ -1,34 +1,11 @@
 """`rosrun roah_rsbb results` and `roah-rsbb results`: shows and exports the runs of a competition (docs/results.md)."""
 
 import argparse
-import importlib
-import os
 import sys
-from typing import Any, Callable, List, NoReturn, Optional
+from typing import Any, List, NoReturn, Optional
 
 from roah_rsbb.ground.arguments import Parser, called
-from roah_rsbb.ground.installed import NotShipped, shipped_folder
 from roah_rsbb.journal.log_dir import JOURNAL
-from roah_rsbb.journal.processes import ProcessEnded
-from roah_rsbb.journal.reader import JournalError
-from roah_rsbb.model import run_log
-from roah_rsbb.results.bags import bag_lines, making_bags, missing_bags
-from roah_rsbb.results.mcap_file import NoMcap
-from roah_rsbb.results.printing import CannotPrint
-from roah_rsbb.results.program.journal import (
-    BENCHMARKS_FILE,
-    RULES_FILE,
-    SCHEDULE_FILE,
-    Usage,
-    files_of,
-    one_run,
-    open_journal,
-    warn,
-)
-from roah_rsbb.results.run_list import list_lines
-from roah_rsbb.results.runs import NoSuchRun, RobotPart, RunResult, heads
-from roah_rsbb.rulebook.errors import ConfigErrors
-from roah_rsbb.run_logs.bag_file import write_bag, write_bags
 
 LOG_DIR = "~/.ros/roah_rsbb"
 OF_RUNS = ("best", "mean", "median")  # `OfRuns`, without loading what reads its rules
@@ -88,34 +65,19 @@ the sum of the score sheet.
 """
 
 
-class _NoBag(Exception):
-    """The bag cannot be written. The text names the remedy."""
-
-
 def main(arguments: Optional[List[str]] = None) -> NoReturn:
     """Run the program with its arguments (default: those of the process)."""
     if arguments is None:  # the process's own output, too
         sys.stdout.reconfigure(errors="backslashreplace")  # escape characters that this terminal cannot show
     options = _parser().parse_args(sys.argv[1:] if arguments is None else arguments)
-    try:
-        options.config_dir = str(shipped_folder())
-        with files_of(options):
-            status = options.do(options)
-    except (JournalError, ProcessEnded, _NoBag, NoSuchRun, NoMcap, Usage, CannotPrint, NotShipped) as error:
-        status = _fail(str(error))
-    except ConfigErrors as error:
-        status = _fail(f"a file of the competition is invalid:\n{error}")
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the reader has closed the pipe
-        status = 0
-    except OSError as error:
-        status = _fail(f"{error.filename}: {error.strerror}: choose another place or free some space")
-    sys.exit(status)
+    from roah_rsbb.results.program import commands  # imported late: help and wrong usage are answered at once
+
+    sys.exit(commands.run(options))
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(called("results"), _DESCRIPTION, _EPILOG)
-    parser.set_defaults(journal=None, log_dir=LOG_DIR, utc=False)
+    parser.set_defaults(journal=None, log_dir=LOG_DIR, utc=False, module="commands")
     _add_source(parser)
     commands = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=_sub_parser)
     _add_views(commands)
@@ -126,10 +88,10 @@ def _parser() -> argparse.ArgumentParser:
 def _add_views(commands: Any) -> None:
     """Commands that show or export results."""
     listed = commands.add_parser("list", help="list all runs")
-    listed.set_defaults(do=_list)
+    listed.set_defaults(command="list_runs")
     show = commands.add_parser("show", help="show the complete score sheet of a run")
     show.add_argument("run", metavar="RUN", help="number in the list, identity, or beginning of the identity")
-    show.set_defaults(do=_show)
+    show.set_defaults(command="show")
     export = commands.add_parser("export", help="write files", description=_EXPORT, epilog=_RULES)
     export.add_argument("runs", metavar="RUN", nargs="*", help="only these runs")
     export.add_argument("--csv", metavar="FILE", help="one row for each scoring item and each value of a module")
@@ -150,9 +112,9 @@ def _add_views(commands: Any) -> None:
     replay.add_argument("--html", metavar="DIR", default=".", help="folder of the pages; default: the current one")
     replay.add_argument("--video", metavar="ADDRESS", default="",
                         help="show this video: a web address, or a path from the page's folder; only with one run")
-    replay.set_defaults(do=_writing("replay"))
+    replay.set_defaults(command="replay", module="files")
     _add_choice(export)
-    export.set_defaults(do=_writing("export"))
+    export.set_defaults(command="export", module="files")
     report = commands.add_parser("report", help="write a site of pages about a competition, or several",
                                  description=_REPORT, epilog=_RULES)
     report.add_argument("competitions", metavar="COMPETITION", nargs="*",
@@ -161,7 +123,7 @@ def _add_views(commands: Any) -> None:
     report.add_argument("--no-replays", action="store_true", help="without a page for each run that plays it again")
     _add_competition(report)
     _add_choice(report)
-    report.set_defaults(do=_writing("report"))
+    report.set_defaults(command="report", module="files")
     ranks = commands.add_parser("standings", help="rank the teams", description=_STANDINGS, epilog=_RULES)
     ranks.add_argument("benchmarks", metavar="CODE", nargs="*", help="only these benchmarks, such as HGTKMH")
     ranks.add_argument("--csv", metavar="FILE")
@@ -171,18 +133,18 @@ def _add_views(commands: Any) -> None:
     ranks.add_argument("--pdf", metavar="FILE", help="the same, printed by Chromium if it is installed")
     _add_competition(ranks)
     _add_choice(ranks)
-    ranks.set_defaults(do=_writing("standings"))
+    ranks.set_defaults(command="standings", module="files")
     blank = commands.add_parser("blank", help="write empty score sheets, to be filled in by hand", description=_BLANK)
     blank.add_argument("benchmarks", metavar="CODE", nargs="*", help="only these benchmarks, such as HGTKMH")
     blank.add_argument("--html", metavar="FILE", help="a page that can be printed")
     blank.add_argument("--pdf", metavar="FILE", help="the same, printed by Chromium if it is installed")
     _add_competition(blank)
     _add_files(blank)
-    blank.set_defaults(do=_writing("blank"))
+    blank.set_defaults(command="blank", module="files")
     check = commands.add_parser("checklist", help="list what is signed off and what is missing", description=_CHECKLIST)
     check.add_argument("--missing", action="store_true", help="only events without a signed-off result")
     _add_files(check)
-    check.set_defaults(do=_writing("checklist"))
+    check.set_defaults(command="checklist", module="files")
 
 
 def _add_recovery(commands: Any) -> None:
@@ -191,17 +153,17 @@ def _add_recovery(commands: Any) -> None:
     bag.add_argument("run", metavar="RUN")
     bag.add_argument("bag", metavar="FILE")
     bag.add_argument("--port", type=int, help="port of the robot, if the run had several")
-    bag.set_defaults(do=_bag)
+    bag.set_defaults(command="bag")
     bags = commands.add_parser("bags", help="list the run logs (rosbags) of all runs, and what is missing")
     bags.add_argument("--make", action="store_true", help="make those that are missing of runs that are over")
-    bags.set_defaults(do=_bags)
+    bags.set_defaults(command="bags")
     journals = commands.add_parser("journals", help="list the journals in the log_dir, including old ones")
-    journals.set_defaults(do=_writing("journals", "segments"))
+    journals.set_defaults(command="journals")
     verify = commands.add_parser("verify", help="read all of the journal, and list what is damaged or missing")
-    verify.set_defaults(do=_writing("verify", "segments"))
+    verify.set_defaults(command="verify")
     dump = commands.add_parser("dump", help="print all records of the journal as text, or those of a run")
     dump.add_argument("run", metavar="RUN", nargs="?")
-    dump.set_defaults(do=_writing("dump", "segments"))
+    dump.set_defaults(command="dump")
 
 
 def _add_source(parser: argparse.ArgumentParser) -> None:
@@ -220,8 +182,8 @@ def _sub_parser(**options: str) -> Parser:
 
 
 def _add_files(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--benchmarks-file", metavar="YAML", help=f"default: {BENCHMARKS_FILE} of the competition")
-    parser.add_argument("--schedule-file", metavar="YAML", help=f"default: {SCHEDULE_FILE} of the competition")
+    parser.add_argument("--benchmarks-file", metavar="YAML", help="default: benchmarks.yaml of the competition")
+    parser.add_argument("--schedule-file", metavar="YAML", help="default: schedule.yaml of the competition")
 
 
 def _add_decimal_comma(parser: argparse.ArgumentParser) -> None:
@@ -236,99 +198,11 @@ def _add_competition(parser: argparse.ArgumentParser) -> None:
 
 def _add_choice(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rules", metavar="YAML",
-                        help=f"rules of the ranking; default: {RULES_FILE} of the competition, or the included one")
+                        help="rules of the ranking; default: standings.yaml of the competition, or the included one")
     parser.add_argument("--benchmarks-file", metavar="YAML",
-                        help=f"the benchmarks; default: {BENCHMARKS_FILE} of the competition")
+                        help="the benchmarks; default: benchmarks.yaml of the competition")
     parser.add_argument("--runs", choices=OF_RUNS, dest="of_runs", default=None,
                         help="which of a team's runs counts; overrides the rules")
     parser.add_argument("--signed-off", action="store_true", help="count only signed-off runs in standings")
     parser.add_argument("--without", metavar="RUN", action="append", default=[],
                         help="exclude a run from standings; may be repeated")
-
-
-# -- commands ---------------------------------------------------------------------------------------
-
-
-def _writing(name: str, module: str = "files") -> Callable[[argparse.Namespace], int]:
-    """Return a command of another module of this folder."""
-    def do(options: argparse.Namespace) -> int:
-        # Imported late: it loads what the list does not need.
-        return getattr(importlib.import_module(f"roah_rsbb.results.program.{module}"), name)(options)
-
-    return do
-
-
-def _list(options: argparse.Namespace) -> int:
-    reader = open_journal(options, checks_all=False)
-    known = heads(reader, warn)
-    if not known:
-        print("There are no runs yet.")
-        return 0
-    from roah_rsbb.results.program.counting import words_of_heads  # imported late: it loads the rules of standings
-
-    counts = words_of_heads(options, reader, known)
-    print("\n".join(list_lines(known, options.utc, counts)))
-    return 0
-
-
-def _show(options: argparse.Namespace) -> int:
-    reader = open_journal(options, checks_all=False)
-    result = one_run(reader, options.run)
-    # Imported late: they load the rules of standings.
-    from roah_rsbb.results.program.counting import words_of_heads
-    from roah_rsbb.results.sheet import sheet_lines
-
-    counts = words_of_heads(options, reader, heads(reader, warn))
-    result = result._replace(counts=counts.get(result.record.identity, ""))
-    strike = sys.stdout.isatty()
-    for text in sheet_lines(result, options.utc, strike):
-        print(text)
-    return 0
-
-
-def _bag(options: argparse.Namespace) -> int:
-    count = _write_bag(one_run(open_journal(options, checks_all=False), options.run), options.port, options.bag)
-    print(f"{options.bag}: {count} messages")
-    return 0
-
-
-def _bags(options: argparse.Namespace) -> int:
-    reader = open_journal(options, checks_all=False)
-    if options.make:
-        with making_bags(reader) as may_make:
-            if not may_make:
-                raise _NoBag("another program makes the bags just now: try again")
-            write_bags(reader, missing_bags(reader))
-    lines = list(bag_lines(reader))
-    for text in lines:
-        print(text)
-    return 0
-
-
-def _write_bag(result: RunResult, port: Optional[int], path: str) -> int:
-    """Write the run log of a robot to a new bag; returns the number of messages. Raises `_NoBag`.
-
-    `port`: private port of the robot; None if the run has only one robot.
-    """
-    if os.path.exists(path):
-        raise _NoBag(f"{path}: this file already exists: choose another name")
-    robot = _robot_of(result, port)
-    entries = [(e.kind, e.value, e.utc) for e in result.entries if e.port == robot.port and e.kind in run_log.KINDS]
-    write_bag(path, entries)
-    return len(entries)
-
-
-def _robot_of(result: RunResult, port: Optional[int]) -> RobotPart:
-    robots: List[RobotPart] = [robot for robot in result.robots if port in (None, robot.port)]
-    if len(robots) == 1:
-        return robots[0]
-    known = ", ".join(f"{robot.port} ({robot.robot} of team {robot.team})" for robot in result.robots)
-    raise _NoBag(f"choose a robot with --port: {known or 'this run has none'}")
-
-
-# -- shared -----------------------------------------------------------------------------------------
-
-
-def _fail(text: str) -> int:
-    warn(text)
-    return 1

@@ -22,9 +22,9 @@ from roah_rsbb.model.records import ItemRecord, PhaseTime, RunRecord, ScoreEntry
 from roah_rsbb.model.saved import freeze
 from roah_rsbb.results import export
 from roah_rsbb.results.export import RESULT_COLUMNS, STANDING_COLUMNS
+from roah_rsbb.results.lists import list_lines
 from roah_rsbb.results.program import files as writing
 from roah_rsbb.results.program import main as program
-from roah_rsbb.results.run_list import list_lines
 from roah_rsbb.results.runs import find_record, heads, records
 from roah_rsbb.rulebook.standing_rules import OfRuns
 

@@ -9,6 +9,7 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import sys
 
@@ -26,12 +27,12 @@ from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, PhaseTime, ScoreEntry, ScoreValue, StopRecord
+from roah_rsbb.results import report_numbers
 from roah_rsbb.results.events import sections
+from roah_rsbb.results.program import files as writing
 from roah_rsbb.results.program import main as program
-from roah_rsbb.results.report import statistics
-from roah_rsbb.results.report.facts import facts_of, link_period_s
-from roah_rsbb.results.report.pages import PAGES
-from roah_rsbb.results.report.plots import Axes, plot
+from roah_rsbb.results.report import PAGES, Axes, plot
+from roah_rsbb.results.report_numbers import facts_of, link_period_s
 from roah_rsbb.results.runs import records, run_result
 from roah_rsbb.results.standings import RunChoice, standings
 from roah_rsbb.rulebook.standing_rules import read_rules
@@ -156,20 +157,20 @@ def test_report_sheets_data_set_and_standings_agree(journal, tmp_path):
     over = {row["run_id"] for row in tables["runs"] if row["started"] and row["end_reason"]}
     codes = {row["run_id"]: row["benchmark"] for row in tables["runs"]}
     items = [row for row in tables["scores"] if row["kind"] == "item" and row["run_id"] in over]
-    lines = statistics.item_lines(runs)
+    lines = report_numbers.item_lines(runs)
     assert sum(line.runs for line in lines) == len(items)
     for line in lines:
         of_line = [row for row in items if (codes[row["run_id"]], row["group"], row["name"])
                    == (line.benchmark, line.group, line.name)]
         assert line.achieved == sum(number(row["value"]) != 0 for row in of_line)
         assert line.not_attempted == sum(row["not_attempted"] == "true" for row in of_line)
-    assert sum(line.runs for line in statistics.end_lines(runs)) == len(known)
-    assert len(statistics.unsigned(runs)) == sum(
+    assert sum(line.runs for line in report_numbers.end_lines(runs)) == len(known)
+    assert len(report_numbers.unsigned(runs)) == sum(
         bool(row["end_reason"]) and not row["signed_off"] for row in tables["runs"])
-    links = statistics.links(runs).values()
+    links = report_numbers.links(runs).values()
     for name in ("received", "lost"):
         assert sum(getattr(link, name) for link in links) == sum(int(row[name]) for row in tables["link"])
-    assert sum(line.runs for line in statistics.goal_lines(runs)) == len(tables["goals"])
+    assert sum(line.runs for line in report_numbers.goal_lines(runs)) == len(tables["goals"])
     assert sum(run.warnings for run in runs) == sum(row["bad"] == "true" for row in tables["events"])
 
 
@@ -235,20 +236,20 @@ def _statistics_of(log_dir):
 
 def test_statistics_by_hand(tmp_path):
     runs = _statistics_of(tmp_path)
-    door = statistics.item_lines(runs)[0]
+    door = report_numbers.item_lines(runs)[0]
     assert (door.runs, door.achieved, door.share) == (4, 3, 0.75)
     assert door.after_s == (3, 10.0, 20.0, 30.0)
-    phase, = statistics.phase_lines(runs)
+    phase, = report_numbers.phase_lines(runs)
     assert (phase.name, phase.runs, phase.seconds) == ("kitchen", 4, (4, 10.0, 25.0, 40.0))
-    ends, = statistics.end_lines(runs)
+    ends, = report_numbers.end_lines(runs)
     assert ends.ends == {"": 1, "completed": 2, "stopped": 1, "timeout": 1}
     assert (ends.runs, ends.restarts, ends.repeated) == (5, 0 + 1 + 2 + 3, 0)
-    delays, = statistics.delay_lines(runs)
+    delays, = report_numbers.delay_lines(runs)
     assert (delays.delays_s, delays.late) == ((4, -30.0, 30.0, 400.0), 1)
-    links = statistics.link_of_teams(runs)
+    links = report_numbers.link_of_teams(runs)
     assert (links["Alpha"].received, links["Alpha"].lost, links["Alpha"].longest_gap_s) == (27, 3, 1.0)
     assert links["Beta"].lost_share == pytest.approx(0.1)
-    assert len(statistics.unsigned(runs)) == 4
+    assert len(report_numbers.unsigned(runs)) == 4
 
 
 @pytest.mark.parametrize("minutes, period_s", [(0.5, 60), (12, 60), (13, 300), (59, 300), (110, 600), (480, 3600),
@@ -330,6 +331,20 @@ def test_several_competitions(tmp_path, capsys):
     with pytest.raises(SystemExit):
         program.main(["report", str(tmp_path / "nothing")])
     assert "there is no journal" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("ends, reported", [
+    (lambda: os.kill(os.getpid(), signal.SIGKILL), "ended early: free memory"),
+    (lambda: os.listdir("/dev/null/x"), "/dev/null/x: Not a directory"),
+])
+def test_a_process_that_ends_early_is_reported(many, tmp_path, monkeypatch, capsys, ends, reported):
+    monkeypatch.setattr(writing, "facts_of", lambda *_: ends())
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 1})
+    with pytest.raises(SystemExit) as ended:
+        program.main(["--journal", many, "report", "--html", str(tmp_path)])
+    assert ended.value.code == 1 and reported in capsys.readouterr().err
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
 
 
 def test_the_library_is_the_original_one():

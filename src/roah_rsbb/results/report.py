@@ -1,15 +1,47 @@
-"""The pages of a report. All texts of robots and people are escaped (`results/page.py`)."""
+"""The report of a competition: statistics of its runs, as a folder of pages (docs/results.md, "Report").
 
-from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+All texts of robots and people are escaped (`results/page.py`). The data of plots is JSON, which
+resource/report/report.js draws with uPlot. uPlot 1.6.32 (MIT licence, https://github.com/leeoniya/uPlot) is part of
+each page with a plot, so the pages work offline and can be mailed. Each plot stands beside a table with the same
+numbers.
+"""
 
-from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, joined, page, table, tag
-from roah_rsbb.results.report import statistics
-from roah_rsbb.results.report.facts import LINK_PERIODS_S, LinkFacts, RunFacts
-from roah_rsbb.results.report.plots import Assets, Axes, plot
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+
+from roah_rsbb.results.page import (
+    NO_COMPETITION,
+    Child,
+    Competition,
+    Markup,
+    joined,
+    json_block,
+    page,
+    resource_texts,
+    table,
+    tag,
+)
+from roah_rsbb.results.report_numbers import (
+    LATE_S,
+    LINK_PERIODS_S,
+    ItemLine,
+    LinkFacts,
+    RunFacts,
+    Spread,
+    delay_lines,
+    end_lines,
+    goal_lines,
+    item_lines,
+    link_of_teams,
+    links,
+    phase_lines,
+    spread,
+    teams,
+    unsigned,
+)
 from roah_rsbb.results.runs import run_state_text, taken_text
 from roah_rsbb.results.standings import Standing, standing_markup
 from roah_rsbb.wording import sheets
-from roah_rsbb.wording.texts import one_line
+from roah_rsbb.wording.texts import one_line, visible
 from roah_rsbb.wording.times import NOTHING, date_time, optional_date_time
 
 STYLE = """
@@ -24,6 +56,66 @@ table.u-legend { width: auto; } .u-legend td, .u-legend th { border: 0; min-widt
 """
 # More lines in a plot cannot be distinguished.
 MAX_SERIES = 24
+
+
+# -- plots ------------------------------------------------------------------------------------------
+
+# More ticks of an axis cannot be read.
+MAX_TICKS = 24
+
+
+class Assets(NamedTuple):
+    """The files that become part of the pages."""
+
+    library: str
+    style: str
+    script: str
+
+
+def assets(folder: str) -> Assets:
+    """Read the files in the package's folder resource/report. Raises OSError."""
+    return Assets(*resource_texts(folder, "uPlot.iife.min.js", "uPlot.min.css", "report.js"))
+
+
+class Axes(NamedTuple):
+    """What the axes show."""
+
+    x: str
+    y: str
+    least: float = 0.0  # the y axis reaches at least this
+    bars: bool = False
+    lines: bool = True  # between the points; not if neighbours have nothing to do with each other
+
+
+Values = Sequence[Optional[float]]
+
+
+def plot(identity: str, axes: Axes, labels: Sequence[str], values: Dict[str, Values],
+         places: Optional[Sequence[float]] = None) -> Markup:
+    """Build a plot. `values`: for each series, a value for each label. `places`: positions of the labels on the x axis,
+    rising; None: equal distances."""
+    xs = list(range(len(labels))) if places is None else [round(place, 3) for place in places]
+    labels = [visible(label) for label in labels]
+    data: Dict[str, Any] = {
+        "x": axes.x, "y": axes.y, "least": axes.least, "bars": axes.bars, "lines": axes.lines,
+        "labels": labels,
+        "ticks": _ticks(xs, labels), "series": [visible(name) for name in values],
+        "data": [xs, *([None if v is None else round(v, 4) for v in each] for each in values.values())],
+    }
+    return joined((tag("div", Markup(""), class_="plot", data_plot=identity), json_block(identity, data)))
+
+
+def _ticks(xs: Sequence[float], labels: Sequence[str]) -> List[Tuple[float, str]]:
+    """Return the labels that fit below the axis, at different places."""
+    least = (xs[-1] - xs[0]) / MAX_TICKS if xs else 0.0
+    found: List[Tuple[float, str]] = []
+    for x, label in zip(xs, labels):
+        if not found or x - found[-1][0] > least:
+            found.append((x, label))
+    return found
+
+
+# -- the pages --------------------------------------------------------------------------------------
 
 
 class Site(NamedTuple):
@@ -130,22 +222,22 @@ def _teams(site: Site) -> List[Child]:
         for line in standing.lines:
             name = standing.benchmark or standing.title
             ranks.setdefault(line.team, []).append(f"{one_line(name)}: {line.rank}{'=' if line.tied else ''}")
-    links = statistics.link_of_teams(site.runs)
+    links = link_of_teams(site.runs)
     rows = []
-    for team in statistics.teams(site.runs):
+    for team in teams(site.runs):
         runs = [run for run in site.runs if run.record.team == team]
-        delays = statistics.spread(run.delay_s for run in runs)
+        delays = spread(run.delay_s for run in runs)
         link = links.get(team, LinkFacts())
         rows.append((
             team, str(len(runs)), str(sum(run.is_over for run in runs)),
             str(sum(run.record.end_reason == "completed" for run in runs)),
-            str(len(statistics.unsigned(runs))), _minutes(delays.median), _percent(link.lost_share),
+            str(len(unsigned(runs))), _minutes(delays.median), _percent(link.lost_share),
             seconds_text(link.longest_gap_s if link.seconds else None), ", ".join(ranks.get(team, ())) or NOTHING))
     body: List[Child] = [sortable(
         ("Team", "Runs", "Started and over", "Completed", "Not signed off", "Median delay, min", "Lost messages, %",
          "Longest silence, s", "Ranks"), rows,
         ("team", *("number",) * 7))]
-    for team in statistics.teams(site.runs):
+    for team in teams(site.runs):
         runs = [run for run in site.runs if run.record.team == team]
         body += [tag("h2", team), tag("p", *_separated(
             _linked(f"{run.record.benchmark} {run.record.round} / {run.record.run}", site.sheets, run.record.identity)
@@ -174,7 +266,7 @@ _COUNTED = ("Runs count that were started and are over. An item is achieved, or 
 
 def _items(site: Site) -> List[Child]:
     body: List[Child] = [tag("p", f"{_COUNTED} The time is from the last start to its first mark.")]
-    lines = statistics.item_lines(site.runs)
+    lines = item_lines(site.runs)
     for number, code in enumerate(dict.fromkeys(line.benchmark for line in lines)):
         of_code = [line for line in lines if line.benchmark == code]
         body.append(tag("h2", _benchmark(site, code)))
@@ -189,7 +281,7 @@ def _items(site: Site) -> List[Child]:
     return body
 
 
-def _spread(numbers: statistics.Spread) -> Tuple[str, str, str]:
+def _spread(numbers: Spread) -> Tuple[str, str, str]:
     return seconds_text(numbers.least), seconds_text(numbers.median), seconds_text(numbers.most)
 
 
@@ -203,7 +295,7 @@ def _times(site: Site) -> List[Child]:
 
 
 def _ends(site: Site) -> List[Child]:
-    lines = statistics.end_lines(site.runs)
+    lines = end_lines(site.runs)
     reasons = sorted({reason for line in lines for reason in line.ends})
     headings = [sheets.end_reason(reason) if reason else "never started, or not over" for reason in reasons]
     return [
@@ -219,9 +311,9 @@ def _delays(site: Site) -> List[Child]:
     body: List[Child] = [
         tag("h2", "Delays against the schedule"),
         tag("p", "From the scheduled time to the last start, in minutes."),
-        sortable(("Zone", "Starts", "Least", "Median", "Most", f"More than {statistics.LATE_S / 60:.0f} min late"), [
+        sortable(("Zone", "Starts", "Least", "Median", "Most", f"More than {LATE_S / 60:.0f} min late"), [
             (line.zone, str(line.delays_s.count), _minutes(line.delays_s.least), _minutes(line.delays_s.median),
-             _minutes(line.delays_s.most), str(line.late)) for line in statistics.delay_lines(site.runs)
+             _minutes(line.delays_s.most), str(line.late)) for line in delay_lines(site.runs)
         ], ("", *("number",) * 5)),
     ]
     started = sorted((run.record.scheduled, run.record.zone, run.delay_s) for run in site.runs
@@ -241,8 +333,8 @@ def _delays(site: Site) -> List[Child]:
 def _time_tables(site: Site) -> List[Child]:
     body: List[Child] = []
     for title, what, lines in (
-        ("Times of phases", "Phase", statistics.phase_lines(site.runs)),
-        ("Times of goals", "Goal", statistics.goal_lines(site.runs)),
+        ("Times of phases", "Phase", phase_lines(site.runs)),
+        ("Times of goals", "Goal", goal_lines(site.runs)),
     ):
         if not lines:
             continue
@@ -254,14 +346,14 @@ def _time_tables(site: Site) -> List[Child]:
 
 
 def _links(site: Site) -> List[Child]:
-    links = statistics.links(site.runs)
-    if not links:
+    found = links(site.runs)
+    if not found:
         return [tag("p", "There is no record of any link.")]
-    begins = sorted({begin for _, begin in links})
+    begins = sorted({begin for _, begin in found})
     # An empty period after each, unless it is there: no line crosses a night.
     begins = sorted({*begins, *(begin + site.link_period_s for begin in begins[:-1])})
-    names = sorted({team for team, _ in links})
-    values = {team: [_hundred(links.get((team, begin), LinkFacts()).lost_share) for begin in begins] for team in names}
+    names = sorted({team for team, _ in found})
+    values = {team: [_hundred(found.get((team, begin), LinkFacts()).lost_share) for begin in begins] for team in names}
     ranked = sorted(names, key=lambda team: (-(max((v or 0.0) for v in values[team])), team))
     labels = [date_time(begin, site.in_utc)[5:16] for begin in begins]
     return [
@@ -275,7 +367,7 @@ def _links(site: Site) -> List[Child]:
                   "Seconds"), [
             (team, date_time(begin, site.in_utc)[:16], str(link.received), str(link.lost), _percent(link.lost_share),
              seconds_text(link.longest_gap_s), f"{link.latest_s:.3f}", f"{link.seconds:.0f}")
-            for (team, begin), link in links.items()
+            for (team, begin), link in found.items()
         ], ("team", "from", *("number",) * 6)),
         tag("p", "docs/results.md explains how each number is measured and what its limits are.", class_="small"),
     ]
@@ -286,7 +378,7 @@ def _hundred(share: Optional[float]) -> Optional[float]:
 
 
 def _missing(site: Site) -> List[Child]:
-    missing = statistics.unsigned(site.runs)
+    missing = unsigned(site.runs)
     still = [run for run in site.runs if not run.record.closed_utc]
     body: List[Child] = [
         tag("p", f"{len(missing)} of {sum(bool(run.record.end_reason) for run in site.runs)} runs that are over are "
@@ -321,19 +413,19 @@ def comparison(sites: Sequence[Compared], assets: Assets) -> str:
     for each in sites:
         runs = each.site.runs
         over = [run for run in runs if run.is_over]
-        delays = statistics.spread(run.delay_s for run in runs)
+        delays = spread(run.delay_s for run in runs)
         total = LinkFacts()
-        for link in statistics.link_of_teams(runs).values():
+        for link in link_of_teams(runs).values():
             total = total.plus(link)
         rows.append((
-            tag("a", each.name, href=each.home), str(len(runs)), str(len(statistics.teams(runs))), str(len(over)),
+            tag("a", each.name, href=each.home), str(len(runs)), str(len(teams(runs))), str(len(over)),
             str(sum(run.record.end_reason == "completed" for run in over)), _minutes(delays.median),
-            _percent(total.lost_share), str(len(statistics.unsigned(runs)))))
+            _percent(total.lost_share), str(len(unsigned(runs)))))
     body: List[Child] = [sortable(
         ("Competition", "Runs", "Teams", "Started and over", "Completed", "Median delay, min", "Lost messages, %",
          "Not signed off"), rows, ("", *("number",) * 7))]
     lines = {
-        each.name: {(line.benchmark, line.group, line.name): line for line in statistics.item_lines(each.site.runs)}
+        each.name: {(line.benchmark, line.group, line.name): line for line in item_lines(each.site.runs)}
         for each in sites
     }
     keys = list(dict.fromkeys(key for each in sites for key in lines[each.name]))
@@ -356,5 +448,5 @@ def comparison(sites: Sequence[Compared], assets: Assets) -> str:
     return report_page("Competitions", assets, tag("h1", "Competitions"), *body)
 
 
-def _achieved(line: Optional[statistics.ItemLine]) -> Optional[float]:
+def _achieved(line: Optional[ItemLine]) -> Optional[float]:
     return None if line is None else line.share

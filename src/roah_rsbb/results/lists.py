@@ -1,13 +1,73 @@
-"""The organisers' list before publication: whether the result of each event is signed off, or what is missing."""
+"""Lists for the terminal: all runs, their bags, and the organisers' checklist before publication."""
 
-from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence
+import os
+from types import MappingProxyType
+from typing import Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
-from roah_rsbb.results.runs import run_state_text, signature_of
+from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.model.records import RunRecord
+from roah_rsbb.results.runs import RunHead, run_state_text, signature_of, taken_text
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
 from roah_rsbb.scoring.counting import AttemptsKey, Ruling, Why, attempts_key, event_results
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.texts import one_line
-from roah_rsbb.wording.times import date_time
+from roah_rsbb.wording.times import NOTHING, date_time
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    """Return rows as lines with aligned columns."""
+    template = "  ".join(f"{{:<{max(map(len, column))}}}" for column in zip(*rows))
+    for row in rows:
+        yield template.format(*row).rstrip()
+
+
+def list_lines(
+    records: Sequence[Union[RunHead, RunRecord]], in_utc: bool, counts: Mapping[str, str] = MappingProxyType({})
+) -> Iterator[str]:
+    """List all runs, one per line, below a line of headings. `counts`: whether they count (`RunResult.counts`), by
+    identity."""
+    rows = [("No.", "Connected", "Zone", "Benchmark", "Team", "Round", "Run", "Time", "Sheet", "State")]
+    rows += [_row(number, record, in_utc, counts.get(record.identity, "")) for number, record in enumerate(records, 1)]
+    return aligned(rows)
+
+
+def _row(number: int, record: Union[RunHead, RunRecord], in_utc: bool, counts: str) -> Tuple[str, ...]:
+    return (
+        str(number), date_time(record.opened_utc, in_utc), one_line(record.zone), one_line(record.benchmark),
+        one_line(record.team), str(record.round), str(record.run), taken_text(record),
+        sheets.sheet_state(record.closed_utc, record.sign_off), one_line(run_state_text(record, counts)),
+    )
+
+
+# -- bags -------------------------------------------------------------------------------------------
+
+
+def bag_lines(reader: JournalReader) -> Iterator[str]:
+    """Return a line for each robot in a run. A bag is where the journal says, or in the folder of the journal."""
+    numbers = {identity: number for number, identity in enumerate(reader.identities(), 1)}
+    rows: List[Tuple[str, ...]] = [("No.", "Run", "Port", "Robot", "Size", "Bag")]
+    found = 0
+    members = [(numbers.get(member.identity, 0), member) for member in reader.all_members()]
+    for number, member in sorted(members):
+        path = _bag_at(member.log_file, os.path.dirname(reader.path))
+        found += bool(path)
+        size = (f"{os.path.getsize(path) / 1e6:.1f} MB" if path else NOTHING if not member.log_file else
+                "missing" if reader.is_over(member.identity) else "not over")
+        rows.append((str(number), one_line(member.identity), str(member.port),
+                     one_line(f"{member.robot} of team {member.team}"), size, one_line(path or member.log_file)))
+    yield from aligned(rows)
+    missing = len(members) - found
+    yield f"{found} of {len(members)} bags found" + (
+        "; results bags --make makes those of runs that are over, results bag RUN FILE any of them" if missing else "")
+
+
+def _bag_at(log_file: str, folder: str) -> str:
+    """Return the path of a bag that exists; empty: none."""
+    beside = os.path.join(folder, os.path.basename(log_file))
+    return next((path for path in (log_file, beside) if log_file and os.path.isfile(path)), "")
+
+
+# -- the checklist ----------------------------------------------------------------------------------
 
 NO_RUN = "no run"
 
@@ -88,9 +148,7 @@ def check_lines(lines: Sequence[CheckLine], in_utc: bool, only_missing: bool = F
          "" if line.number is None else str(line.number), one_line(line.state), one_line(line.sheet))
         for line in shown
     ]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    for row in rows:
-        yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip()
+    yield from aligned(rows)
     yield (f"{len(shown)} of {len(lines)} listed; " if only_missing else "") + summary(lines)
 
 

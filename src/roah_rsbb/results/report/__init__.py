@@ -1,1 +1,0 @@
-"""The report of a competition: statistics of its runs, as a folder of pages."""
