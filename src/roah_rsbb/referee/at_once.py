@@ -7,6 +7,7 @@ came (`stopping.py`). What fails here is left to it: it sends the STOP in its ow
 
 import binascii
 import contextlib
+import enum
 import json
 import os
 import socket
@@ -29,6 +30,21 @@ LIMIT_S = 1.0
 _TEXT_AND_FINAL, _MASKED = 0x81, 0x80
 # No file, no box, a box that is slow, ends, or is of another version.
 _TROUBLE = (NotFound, OSError, ValueError, LookupError, TypeError, struct.error)
+
+
+class Exit(enum.IntEnum):
+    """Exit statuses. `referee --help` lists them, and scripts rely on them."""
+
+    OK = 0
+    REFUSED = 1
+    USAGE = 2
+    NO_CORE = 3
+    NOT_COMPLETED = 4
+    INTERRUPTED = 130
+
+
+class NoCore(Exception):
+    """The ROS master or the core is missing or does not answer. The text names the remedy."""
 
 
 class EarlyStop(NamedTuple):

@@ -18,8 +18,7 @@ from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.results import JudgedRun, RunSheet
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
-from roah_rsbb.referee.at_once import ROLE, caller_name
-from roah_rsbb.referee.exits import NoCore
+from roah_rsbb.referee.at_once import ROLE, NoCore, caller_name
 from roah_rsbb.wording.times import use_zone
 
 # Time limits: for the document, for the answer to a call. A busy computer may take seconds.

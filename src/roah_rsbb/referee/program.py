@@ -11,10 +11,9 @@ import sys
 import time
 from typing import TYPE_CHECKING, List, Optional
 
-# All else is imported later: before, a STOP leaves, and help or a wrong option need little of it.
+# All else is imported later: before, a STOP leaves.
 from roah_rsbb.ground.arguments import is_without_ros
-from roah_rsbb.referee.at_once import EarlyStop, send_stop
-from roah_rsbb.referee.exits import Exit
+from roah_rsbb.referee.at_once import EarlyStop, Exit, send_stop
 
 if TYPE_CHECKING:
     import argparse
@@ -43,7 +42,7 @@ def _hang_up(number: int, _frame: object) -> None:
 
 def options_of(words: List[str], sent: Optional[EarlyStop] = None) -> "argparse.Namespace":
     """Read a command line, of which a STOP may be `sent`. Raises SystemExit after help and for wrong options."""
-    from roah_rsbb.referee.args import parser
+    from roah_rsbb.referee.commands import parser
 
     top = parser()
     options = top.parse_args([word for word in words if ":=" not in word])  # ROS adds words such as __name:=x
@@ -58,7 +57,7 @@ def carry_out(options: "argparse.Namespace") -> int:
     """Carry out the command and return the exit status."""
     try:
         from roah_rsbb.referee import commands
-        from roah_rsbb.referee.output import Output
+        from roah_rsbb.referee.call import Output
 
         return int(commands.carry_out(options, Output(options.json, options.utc)))
     except KeyboardInterrupt:

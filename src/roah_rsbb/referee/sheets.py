@@ -1,18 +1,42 @@
-"""Runs and their score sheets in the terminal."""
+"""The commands of the terminal referee for runs and their score sheets, and for the decisions of the head referee
+(docs/referee.md, "Judges and objections in the terminal")."""
 
-from functools import partial
-from typing import List, Sequence
+from typing import List, Sequence, Tuple
 
-from roah_rsbb.model.results import RunLine, RunSheet
-from roah_rsbb.referee.view import BOLD, YELLOW, Style, item_lines
-from roah_rsbb.referee.words import BadWord
-from roah_rsbb.wording import sheets, times
-from roah_rsbb.wording.sheets import with_counting
+from roah_rsbb.ground.arguments import number
+from roah_rsbb.model.actions import BY_THE_FILE_S, ENTRIES
+from roah_rsbb.model.reason import Refused
+from roah_rsbb.model.results import JudgedRun, Judging, RunLine
+from roah_rsbb.model.scoring import Entered
+from roah_rsbb.model.zone import IDLE, SheetItem
+from roah_rsbb.referee import view
+from roah_rsbb.referee.args import (
+    BY,
+    ITEM,
+    MUST_BY,
+    OF_RUN,
+    ZONE,
+    Argument,
+    Commands,
+    argument,
+    counted,
+    given_in,
+    note,
+    run,
+    switch,
+    text,
+    zone,
+)
+from roah_rsbb.referee.at_once import Exit
+from roah_rsbb.referee.call import Call
+from roah_rsbb.referee.state import run_json, sheet_json
+from roah_rsbb.referee.words import NOT_ATTEMPTED, BadWord, pick_item, value_of
+from roah_rsbb.scoring.publication import MAX_OBJECTION_TIME_S
+from roah_rsbb.wording import judging
 from roah_rsbb.wording.texts import escaped
 
-_IN = "    "
-
 LAST = "last"
+COMMANDS, _ACTIONS = Commands(), Commands()
 
 
 def pick_run(word: str, runs: Sequence[RunLine]) -> RunLine:
@@ -33,47 +57,207 @@ def pick_run(word: str, runs: Sequence[RunLine]) -> RunLine:
     raise BadWord("\n  ".join([f"{matches}; there are", *listed]))
 
 
-# -- lines ----------------------------------------------------------------------------------------
+def _named(call: Call) -> str:
+    return pick_run(call.options.run, [run for run in call.link.box.runs() if run.zone == call.zone_name]).identity
 
 
-def run_lines(runs: Sequence[RunLine], style: Style) -> List[str]:
-    """Return a line for each run of a zone."""
-    return [_run_line(run, style) for run in runs] or ["no run is connected or over"]
+def which(call: Call) -> Tuple[str, str]:
+    """Return the zone, and the identity of the run that is named; empty: the connected run. Raises `Refused`,
+    `BadWord`."""
+    if call.options.run is not None:
+        return call.zone_name, _named(call)
+    if call.zone.phase == IDLE:
+        raise Refused(["No run is connected. For a finished run give its name, such as '--run last' (see 'runs')"])
+    return call.zone_name, ""
 
 
-def _run_line(run: RunLine, style: Style) -> str:
-    when = "now      " if run.closed_utc_s is None else style.moments.stamp(run.closed_utc_s)
-    which = sheets.run_name(escaped(run.code), escaped(run.team), run.round, run.run)
-    score = f"  {escaped(run.score)}" if run.score else ""
-    return f"{when}  {escaped(run.identity)}  {which}: {_state(run, style)}{score}"
+# -- runs and score sheets --------------------------------------------------------------------------
 
 
-def _state(run: RunLine, style: Style) -> str:
-    state = sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason)
-    parts = [escaped(with_counting(state, run.counts))]
-    if run.corrected:
-        parts.append(style(YELLOW, sheets.CORRECTED))
-    if run.closed_utc_s is not None:
-        parts.append(sheets.signature(run.signed_utc_s, escaped(run.signed_by), style.moments.stamp))
-    return ", ".join(parts)
+@COMMANDS.add("runs", "list connected and finished runs with their scores", ["", "'Home A'"],
+              zone("only the runs of this zone; ", "?"))
+def _runs(call: Call) -> Exit:
+    only, style = call.one_zone, call.output.style
+    found = [run for run in call.link.box.runs() if only in (None, run.zone)]
+    lines: List[str] = view.run_lines(found, style) if only else []
+    for name in [] if only else call.link.box.box.zones:
+        of_zone = view.run_lines([run for run in found if run.zone == name], style)
+        lines += [f"{name}:", *(f"    {line}" for line in of_zone)]
+    return call.output.show({"runs": [run_json(run) for run in found]}, lines)
 
 
-def sheet_lines(sheet: RunSheet, style: Style) -> List[str]:
-    """Return the lines of a score sheet, its history and the run's ends."""
-    lines = [_run_line(sheet.run, style)]
-    if sheet.run.end_reason:
-        lines.append(f"{_IN}time {times.elapsed(sheet.elapsed_s)}")
-    lines += item_lines(sheet.items, sheet.points, style, f"  {style(YELLOW, f'({sheets.CORRECTED})')}")
-    if sheet.history:
-        lines.append("History")
-    for entry in sheet.history:
-        words = sheets.EntryTexts(*map(escaped, sheets.entry_texts(entry, style.moments.stamp)))
-        lines.append(f"{_IN}{words.number:>4}  {sheets.entry_line(words, partial(style, YELLOW))}")
-    if sheet.ends:
-        lines.append("Ends")
-    for end in sheet.ends:
-        who = f" ({escaped(sheets.person(end.who))})" if end.who else ""
-        reason = escaped(sheets.stop_reason(end.reason, end.reason_by, end.who))
-        lines.append(f"{_IN}{end.number:4}  {style.moments.stamp(end.utc_s)} {escaped(end.desc)}{who}"
-                     + (f": {style(BOLD, reason)}" if reason else ""))
-    return lines
+@COMMANDS.add("sheet", "show a score sheet with its history, and why the run ended",
+              ["'Home A'", "'Home A' --run last"], ZONE, OF_RUN)
+def show_sheet(call: Call) -> Exit:
+    """Print a score sheet with its history."""
+    return _shown(call, *which(call), command="sheet")
+
+
+def _shown(call: Call, zone: str, identity: str, command: str = "") -> Exit:
+    sheet = call.link.run_sheet(zone, identity)
+    return call.done(view.sheet_lines(sheet, call.output.style), command, zone=zone, sheet=sheet_json(sheet))
+
+
+@COMMANDS.add("withdraw", "withdraw an entry of the history", ["'Home A' 3 --note 'another robot'"], ZONE,
+              argument("entry", type=counted, help="number of the entry ('sheet' shows it)"),
+              note("beside the withdrawal"), BY, OF_RUN)
+def _withdraw(call: Call) -> Exit:
+    return _entered(call, "withdraw")
+
+
+@COMMANDS.add("reason", "record why a run was stopped, until it is signed off",
+              ["'Home A' 'fire alarm'", "'Home A' 'hit the vase' --run last --end 1"], ZONE,
+              argument("reason", metavar="TEXT", help="the reason; it replaces an earlier one"),
+              argument("--end", dest="stop", metavar="N", type=counted,
+                       help="number of the end ('sheet' shows it; default: the last)"), BY, OF_RUN)
+def _reason(call: Call) -> Exit:
+    return _entered(call, "stop_reason")
+
+
+def _entered(call: Call, action: str) -> Exit:
+    zone, identity = which(call)
+    call.act(action, given_in(call.options, ENTRIES[action]), identity)
+    return _shown(call, zone, identity)
+
+
+@COMMANDS.add("sign-off", "sign off the score sheet of a finished run, which makes it final",
+              ["'Home A' --run last --by Anna"], ZONE, run(""), MUST_BY, switch("--yes", "sign off without asking"),
+              has_keyboard=True)
+def _sign_off(call: Call) -> Exit:
+    """Sign off the score sheet of a finished run. Where a run is connected and nobody is shown the sheet, another one
+    is meant only by its name."""
+    options, connected = call.options, call.zone.identity
+    if connected and (options.run is None or (options.run == LAST and options.yes)):
+        raise Refused([f"run {connected} is still connected: disconnect it first. To sign off an earlier run, give its "
+                       "name ('runs' lists them)"])
+    zone, identity = which(call)
+    with call.confirmed(
+        zone, lambda: view.sheet_lines(call.link.run_sheet(zone, identity), call.output.style),
+        f"Sign off as {escaped(options.referee)}? The sheet becomes final. [y/N]",
+        "the sheet becomes final: give --yes, or use a terminal, where you are asked", "not signed off",
+    ):
+        call.act("sign_off", {}, identity)
+        return _shown(call, zone, identity)
+
+
+# -- several judges, and objections -----------------------------------------------------------------
+
+
+@COMMANDS.add("judges", "several judges and objections: list them, settle, hand back, publish, answer",
+              ["list", "settle Hall 1 3 --reason 'the video shows it' --by Hugo", "settle --help"], actions=_ACTIONS)
+def _judges(call: Call) -> Exit:
+    return _ACTIONS[call.options.action].do(call)
+
+
+def _add(name: str, help_text: str, examples: Sequence[str], *arguments: Argument, nargs: str = ""):
+    """As `Commands.add`, of an action of the head referee for a run in a zone."""
+    of_run = argument("--run", metavar="RUN", help="a run of the zone: 'last', or a part of its name (default: the one "
+                                                   "that is not signed off)")
+    return _ACTIONS.add(name, help_text, examples, zone("", nargs or None), of_run, *arguments)
+
+
+_REASON = text("--reason", "why; it is kept with the score sheet", required=True)
+
+
+@_add("list", "show who has submitted, the values side by side, and objections", ["", "Hall", "Hall --run last"],
+      nargs="?")
+def _list(call: Call) -> Exit:
+    """Print the progress of the judges; for a single zone also what they submitted."""
+    if call.options.zone is not None:
+        return _show(call, _judged(call).judging)
+    if call.options.run is not None:
+        raise BadWord("give the zone of the run before --run")
+    box, now, found = call.link.box, call.link.now(), list(call.link.box.judging.values())
+    lines = [line for one in found for line in view.progress_lines(
+        box.results.get(one.identity), one, now.utc, call.output.style, f"{escaped(one.zone)}: ")]
+    return call.output.show({"runs": found}, lines or ["no run that judges score, and no provisional result"])
+
+
+@_add("settle", "settle the value of an item where the judges differ",
+      ["Hall 1 3 --reason 'the video shows it' --by Hugo", "Hall presentation 7.5 --reason 'mean of both' --by Hugo"],
+      argument("item", help=ITEM),
+      argument("value", help="a number, yes or no, a choice, or not-attempted; a rating is one number"),
+      _REASON, MUST_BY)
+def _settle(call: Call) -> Exit:
+    run, value = _judged(call), call.options.value
+    item = run.items[pick_item(call.options.item, run.items) - 1]
+    entered = Entered(not_attempted=True) if value.lower() in NOT_ATTEMPTED else settled_value(value, item)
+    return _decided(call, run, "settle", group=item.group, desc=item.desc, value=entered.value, text=entered.text,
+                    not_attempted=entered.not_attempted, reason=call.options.reason)
+
+
+def settled_value(word: str, item: SheetItem) -> Entered:
+    """Return the value that settles an item, like `value_of`; but a sign belongs to the number and a rating is one.
+
+    Raises `BadWord`, or `Refused` as the core itself does.
+    """
+    sign = "" if item.type == "choice" or word.startswith("=") else "="
+    return value_of(f"{sign}{word}", item._replace(type="decimal") if item.type == "rating" else item)
+
+
+def _of_entry(action: str, name: str, help_text: str, examples: Sequence[str], *arguments: Argument) -> None:
+    """Add the command of an action of the table whose fields are its arguments."""
+    @_add(name, help_text, examples, *arguments)
+    def _do(call: Call) -> Exit:
+        return _decided(call, _judged(call), action, **given_in(call.options, ENTRIES[action]))
+
+
+_JUDGE = argument("judge", help="name of the judge")
+_of_entry("hand_back", "hand-back", "hand a sheet back: the judge looks again, and submits again",
+          ["Hall Ben --reason 'item 2 is empty' --by Hugo"], _JUDGE, _REASON, MUST_BY)
+_of_entry("withdraw_sheet", "withdraw",
+          "withdraw a sheet: it no longer counts, and another judge can take the place",
+          ["Hall Ben --reason 'item 2 is empty' --by Hugo"], _JUDGE, _REASON, MUST_BY)
+_of_entry("waive", "end-waiting", "do not wait for missing judges", ["Hall --reason 'Ben is ill' --by Hugo"],
+          _REASON, MUST_BY)
+_minutes = number(0, MAX_OBJECTION_TIME_S / 60)
+_of_entry("publish", "publish", "publish the result of a finished run as provisional",
+          ["Hall --by Hugo", "Hall --minutes 15 --by Hugo"],
+          argument("--minutes", dest="seconds", metavar="N", default=BY_THE_FILE_S,
+                   type=lambda word: round(60.0 * _minutes(word)),
+                   help="the time for objections (default: that of the benchmarks file)"), BY)
+_of_entry("object", "object", "enter an objection to a provisional result",
+          ["Hall Epsilon 'the cup was on the table' --by Hugo"],
+          argument("by", metavar="WHO", help="who objects, such as a team"), argument("text", help="the objection"), BY)
+
+
+@_add("answer", "answer an objection",
+      ["Hall 1 uphold 'the video shows it' --by Hugo", "Hall 1 reject 'it fell' --by Hugo"],
+      argument("number", metavar="N", type=counted, help="number of the objection ('judges list' shows it)"),
+      argument("verdict", choices=("uphold", "reject"), help="uphold or reject it; the sheet is corrected separately"),
+      argument("text", help="the answer"), BY)
+def _answer(call: Call) -> Exit:
+    options = call.options
+    return _decided(call, _judged(call), "answer", number=options.number, upheld=options.verdict == "uphold",
+                    text=options.text)
+
+
+def _judged(call: Call) -> JudgedRun:
+    """Return the run that the options name; by default the one of the zone that is not final. Raises `BadWord`."""
+    zone, box = call.zone_name, call.link.box
+    if call.options.run is not None:
+        return call.link.judging(zone, _named(call))
+    unsigned = [one.identity for one in judging.judgings_of(box, zone)]
+    identities = [identity for identity in unsigned if identity in box.judging] or unsigned
+    if not identities:
+        raise Refused([f"zone '{zone}' has no run that is not signed off. Name another run with --run (see 'runs')"])
+    if len(identities) > 1:
+        raise BadWord("\n  ".join([f"zone '{zone}' has {len(identities)} such runs: name one with --run",
+                                   *identities]))
+    return call.link.judging(zone, identities[0])
+
+
+def _decided(call: Call, run: JudgedRun, action: str, **given: object) -> Exit:
+    """Do an action of the table, and show what became of the run."""
+    call.act(action, given, run.judging.identity)
+    return _show(call, run.judging)
+
+
+def _show(call: Call, which_run: Judging) -> Exit:
+    call.link.settle()
+    shown = call.link.judging(which_run.zone, which_run.identity)
+    run = call.link.box.results.get(which_run.identity)
+    return call.done(
+        view.judged_lines(run, shown, call.link.now().utc, call.output.style), f"judges {call.options.action}",
+        zone=which_run.zone, run=None if run is None else run_json(run), judging=shown.judging,
+        items=judging.judged_of(shown), objections=judging.objections_of(shown))

@@ -1,10 +1,13 @@
-"""A STOP from the terminal (docs/referee.md, "STOP in the terminal").
+"""A STOP from the terminal, and the keyboard on which it is typed (docs/referee.md, "STOP in the terminal").
 
 A STOP waits for no other call, and no other zone: the client has a connection and a thread for it. It is sent until the
 core answers. Then it is followed until the robots report STOP.
 """
 
 import contextlib
+import queue
+import signal
+import sys
 import threading
 import time
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
@@ -15,8 +18,7 @@ from roah_rsbb.document.written import BadDocument
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.reason import decode
 from roah_rsbb.model.zone import ENDED, RUNNING, ZoneSeen
-from roah_rsbb.referee.at_once import EarlyStop, is_all
-from roah_rsbb.referee.exits import Exit
+from roah_rsbb.referee.at_once import EarlyStop, Exit, is_all
 from roah_rsbb.referee.words import STOPS, BadWord, pick_zone, stop_wanted
 from roah_rsbb.wording.stop import DONE, LOST, NOT_DELIVERED_S, Way, way, way_text
 from roah_rsbb.wording.texts import nearest
@@ -25,6 +27,8 @@ from roah_rsbb.wording.texts import nearest
 STEP_S = 1.0
 # A STOP is sent until the box has it, or the program ends.
 FOREVER_S = 1e9
+# A program in the background of its terminal cannot read it. It looks again after this time.
+BACKGROUND_S = 1.0
 # Named in a line while no zone is known.
 ALL_ZONES, THE_RUN = "all zones", "the run"
 STOP_HINT = "type 'stop' to stop the run, 'stop all' to stop the runs of all zones"
@@ -300,3 +304,81 @@ class TypedStops:
         after = self.after
         if after is not None:
             after()
+
+
+class Keyboard:
+    """Lines of standard input, read in the background. Use it in a `with` block.
+
+    A line such as "stop", "stop all" or "stop Home A" stops at once, whatever the program waits for. It is no answer.
+    At the end of the block, the program waits until each STOP has come to its robots.
+    """
+
+    def __init__(
+        self, stops: TypedStops, at_end: Callable[[], None] = lambda: None, begin_s: float = 0.0,
+        at_begin: Callable[[], None] = lambda: None,
+    ) -> None:
+        """`at_end` is called when the input has ended. If the block lasts longer than `begin_s` seconds, `at_begin` is
+        called, and reading begins: what is typed before is for the shell."""
+        self._stops = stops
+        self._at_end = at_end
+        self._begin_s = begin_s
+        self._at_begin = at_begin
+        self._is_over = threading.Event()
+        self._read: queue.Queue = queue.Queue()
+        self.is_terminal = sys.stdin.isatty()
+
+    def __enter__(self) -> "Keyboard":
+        if self.is_terminal:
+            signal.signal(signal.SIGTTIN, signal.SIG_IGN)  # in the background, reading fails and does not suspend
+        threading.Thread(target=self._work, name="keyboard", daemon=True).start()
+        return self
+
+    def __exit__(self, kind: Optional[type], *_error: object) -> None:
+        self._is_over.set()
+        if kind is not KeyboardInterrupt:
+            self._stops.wait()
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether a STOP was typed for the zone of this program, or for all zones."""
+        return self._stops.of_own_zone
+
+    def lines(self) -> List[str]:
+        """Return what was typed since the last call."""
+        found: List[str] = []
+        while True:
+            try:
+                line = self._read.get_nowait()
+            except queue.Empty:
+                return found
+            if line is None:
+                self._at_end()
+            else:
+                found.append(line)
+
+    def answer(self, ask: Callable[[], None]) -> str:
+        """Ask, and wait for the next line; empty at the end of the input. Ask again after each STOP."""
+        ask()
+        self._stops.after = ask
+        try:
+            return self._read.get() or ""
+        finally:
+            self._stops.after = None
+
+    def _work(self) -> None:
+        if self._is_over.wait(self._begin_s):
+            return
+        self._at_begin()
+        while True:
+            try:
+                line = sys.stdin.readline()
+            except OSError:
+                time.sleep(BACKGROUND_S)
+                continue
+            if not line:
+                self._read.put(None)
+            elif not self._stops.take(line):
+                self._read.put(line.strip())
+            self._stops.wake()
+            if not line:
+                return

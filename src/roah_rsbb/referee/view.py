@@ -6,18 +6,20 @@ that it cannot send commands to the terminal.
 
 import json
 import re
-from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from functools import partial
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.fields import Field
 from roah_rsbb.model.records import ScoreValue, SheetPoints
-from roah_rsbb.model.results import EventSeen
+from roah_rsbb.model.results import EventSeen, JudgedRun, Judging, ObjectionLine, RunLine, RunSheet
 from roah_rsbb.model.zone import CONNECTED, ENDED, RUNNING, Event, RobotInRun, SheetItem, Switches, ZoneSeen
-from roah_rsbb.referee.changes import Change
-from roah_rsbb.referee.state import asked_in, lines_of, off_in, silence_s, zones_of
+from roah_rsbb.referee.state import Change, asked_in, lines_of, off_in, silence_s, zones_of
 from roah_rsbb.referee.words import form_words
-from roah_rsbb.wording import schedule, sheets, times
+from roah_rsbb.wording import judging, schedule, sheets, times
+from roah_rsbb.wording.device import role_text
+from roah_rsbb.wording.judging import Judged
 from roah_rsbb.wording.texts import escaped
 from roah_rsbb.wording.times import clock_lines, clock_of
 
@@ -220,6 +222,110 @@ def _robot(robot: RobotInRun, now: Now) -> str:
         "never heard on its private channel")
     state = escaped(robot.robot_state) or "no state yet"
     return f"robot {escaped(robot.robot)}: {state}, skew {skew}, {heard} (UDP port {robot.port})"
+
+
+# -- runs, score sheets and judges ------------------------------------------------------------------
+
+
+def run_lines(runs: Sequence[RunLine], style: Style) -> List[str]:
+    """Return a line for each run of a zone."""
+    return [_run_line(run, style) for run in runs] or ["no run is connected or over"]
+
+
+def _run_line(run: RunLine, style: Style) -> str:
+    when = "now      " if run.closed_utc_s is None else style.moments.stamp(run.closed_utc_s)
+    which = sheets.run_name(escaped(run.code), escaped(run.team), run.round, run.run)
+    score = f"  {escaped(run.score)}" if run.score else ""
+    return f"{when}  {escaped(run.identity)}  {which}: {_run_state(run, style)}{score}"
+
+
+def _run_state(run: RunLine, style: Style) -> str:
+    state = sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason)
+    parts = [escaped(sheets.with_counting(state, run.counts))]
+    if run.corrected:
+        parts.append(style(YELLOW, sheets.CORRECTED))
+    if run.closed_utc_s is not None:
+        parts.append(sheets.signature(run.signed_utc_s, escaped(run.signed_by), style.moments.stamp))
+    return ", ".join(parts)
+
+
+def sheet_lines(sheet: RunSheet, style: Style) -> List[str]:
+    """Return the lines of a score sheet, its history and the run's ends."""
+    lines = [_run_line(sheet.run, style)]
+    if sheet.run.end_reason:
+        lines.append(f"{_IN}time {times.elapsed(sheet.elapsed_s)}")
+    lines += item_lines(sheet.items, sheet.points, style, f"  {style(YELLOW, f'({sheets.CORRECTED})')}")
+    if sheet.history:
+        lines.append("History")
+    for entry in sheet.history:
+        words = sheets.EntryTexts(*map(escaped, sheets.entry_texts(entry, style.moments.stamp)))
+        lines.append(f"{_IN}{words.number:>4}  {sheets.entry_line(words, partial(style, YELLOW))}")
+    if sheet.ends:
+        lines.append("Ends")
+    for end in sheet.ends:
+        who = f" ({escaped(sheets.person(end.who))})" if end.who else ""
+        reason = escaped(sheets.stop_reason(end.reason, end.reason_by, end.who))
+        lines.append(f"{_IN}{end.number:4}  {style.moments.stamp(end.utc_s)} {escaped(end.desc)}{who}"
+                     + (f": {style(BOLD, reason)}" if reason else ""))
+    return lines
+
+
+def judged_lines(run: Optional[RunLine], shown: JudgedRun, utc_s: float, style: Style) -> List[str]:
+    """Return the lines of a run: the progress of its judges, their values side by side, and objections. `run`: None if
+    the box no longer lists it."""
+    lines = progress_lines(run, shown.judging, utc_s, style)
+    group = None
+    for item in judging.judged_of(shown):
+        if item.group != group:
+            group = item.group
+            lines.append(f"{_IN}{escaped(group)}")
+        lines += _judged_item(item, style)
+    if shown.objections:
+        lines.append("Objections")
+    return lines + [line for one in judging.objections_of(shown) for line in _objection(one, style)]
+
+
+def progress_lines(run: Optional[RunLine], one: Judging, utc_s: float, style: Style, before: str = "") -> List[str]:
+    """Return the progress of the judges of a run; `before`: the run's name."""
+    def when(moment_utc_s: float) -> str:
+        return style.moments.scheduled(moment_utc_s, utc_s) + ("Z" if style.moments.in_utc else "")
+
+    name = escaped(one.identity)
+    if run is not None:
+        name = f"{sheets.run_name(escaped(run.code), escaped(run.team), run.round, run.run)}  {escaped(run.identity)}"
+    known = [judging.missing_text(one), judging.publication_text(one, utc_s, when)]
+    differences = judging.differences_text(one)
+    lines = [f"{_IN}{escaped(line)}" for line in [*map(judging.judge_line, one.judges), *filter(None, known)]]
+    return [before + name, *lines, *([f"{_IN}{style(YELLOW, differences)}"] if differences else [])]
+
+
+def _judged_item(item: Judged, style: Style) -> List[str]:
+    given = ", ".join(f"{escaped(each.judge)} {escaped(each.shown)}" for each in item.given)
+    shown = escaped(judging.outcome_text(item))
+    value = style(YELLOW if item.outcome == judging.DIFFER else BOLD, shown)
+    settled = judging.settled_text(item)
+    return [f"{_IN}{item.number:4}  {escaped(item.item)}: {value}" + (f"  ({given})" if given else ""),
+            *([f"{_IN}      {escaped(settled)}"] if settled else [])]
+
+
+def _objection(one: ObjectionLine, style: Style) -> List[str]:
+    answer = judging.answer_text(one)
+    who = f" ({escaped(one.who)})" if one.who else ""
+    return [f"{_IN}{one.number:4}  {style.moments.stamp(one.utc_s)} {escaped(one.by)}: {escaped(one.text)}{who}",
+            f"{_IN}      {escaped(answer) if answer else style(YELLOW, 'not answered')}"]
+
+
+# -- paired devices ---------------------------------------------------------------------------------
+
+
+def device_lines(found: Sequence[Dict[str, Any]], style: Style) -> List[str]:
+    """Return a line for each paired phone and tablet."""
+    return [
+        f"{one['id']}  {escaped(one['person'])}, {escaped(role_text(one['role'], one['zone']))}, "
+        f"{escaped(one['device'])}: "
+        + ("connected" if one["connected"] else f"seen {style.moments.stamp(one['seen'] or one['paired'])}")
+        for one in found
+    ] or ["no device is paired"]
 
 
 # -- changes --------------------------------------------------------------------------------------

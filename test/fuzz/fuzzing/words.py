@@ -9,7 +9,7 @@ from typing import Callable, Iterator, List
 from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
 from roah_rsbb.capture.program import parse_options as parse_capture_options
-from roah_rsbb.referee import args
+from roah_rsbb.referee import commands
 from roah_rsbb.robot import dummy
 from roah_rsbb.tablet import dummy as dummy_tablet
 from roah_rsbb.tablet.maps import Map
@@ -43,7 +43,7 @@ _TAKE_PASSWORDS = (0, 3)
 _PROGRAMS: List[Callable[[List[str]], object]] = [
     _dummy_robot,
     lambda words: dummy_tablet._parser().parse_args(words),
-    lambda words: args.parser().parse_args(words),
+    lambda words: commands.parser().parse_args(words),
     parse_capture_options,
 ]
 

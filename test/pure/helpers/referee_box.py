@@ -22,7 +22,7 @@ from roah_rsbb.model.zone import (
     SheetItem,
     ZoneSeen,
 )
-from roah_rsbb.referee.exits import NoCore
+from roah_rsbb.referee.at_once import NoCore
 
 UTC0 = 1447000000.0  # 2015-11-08 16:26:40Z
 MONO0 = 1000.0

@@ -9,9 +9,8 @@ from helpers.referee_box import FakeLink
 from roah_rsbb.model.fields import Choice, form_of
 from roah_rsbb.model.reason import Refused, say
 from roah_rsbb.model.zone import Switches
-from roah_rsbb.referee.answers import MAX_IN_A_ROW, AutomaticAnswers, GivenUp, Operations, Typed
-from roah_rsbb.referee.exits import Exit, NoCore
-from roah_rsbb.referee.run import RunScript, ScriptPlan
+from roah_rsbb.referee.at_once import Exit, NoCore
+from roah_rsbb.referee.run import MAX_IN_A_ROW, AutomaticAnswers, GivenUp, Operations, RunScript, ScriptPlan, Typed
 
 PLACE = (1, "Place it")
 AGAIN = (2, "No pose", *form_of(form("try again", "skip")))

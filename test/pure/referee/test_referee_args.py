@@ -8,7 +8,7 @@ from roah_rsbb.model.actions import Action
 from roah_rsbb.model.fields import Choice
 from roah_rsbb.model.reason import say
 from roah_rsbb.referee import args
-from roah_rsbb.referee.args import parser
+from roah_rsbb.referee.commands import parser
 
 COMMANDS = ("status", "watch", "connect", "start", "stop", "disconnect", "previous", "next", "pause", "resume",
             "next-phase", "previous-phase", "open-sheet", "no-show", "withdrawn", "score", "runs",
@@ -42,7 +42,7 @@ def test_a_choice_that_may_be_left_out_is_left_out():
     kind = Choice("kind", say("Kind"), required=False, choices=("late", "rude"))
     action = Action("yellow_card", say("Yellow card"), say("Warn the team"), (kind,))
     commands = argparse.ArgumentParser().add_subparsers(dest="command")
-    args._action(commands, action)
+    args.add_to(commands, {"": args.of_action(action, lambda call: None)}, "referee")
     command = commands.choices["yellow-card"]
     assert args.given_in(command.parse_args(["Hall"]), action) == {}
     assert args.given_in(command.parse_args(["Hall", "--kind", "late"]), action) == {"kind": "late"}
@@ -69,7 +69,7 @@ def test_a_negative_value_settles_an_item():
 
 
 def test_minutes_with_a_decimal_comma():
-    assert _parse(["judges", "publish", "Hall", "--minutes", "0,1"]).minutes == 0.1
+    assert _parse(["judges", "publish", "Hall", "--minutes", "0,1"]).seconds == 6
 
 
 @pytest.mark.parametrize("action", [

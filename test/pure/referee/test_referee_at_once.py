@@ -13,8 +13,7 @@ from roah_rsbb.document.document import Written
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.reason import Refused, say
-from roah_rsbb.referee.at_once import send_stop
-from roah_rsbb.referee.exits import Exit
+from roah_rsbb.referee.at_once import Exit, send_stop
 from roah_rsbb.referee.stopping import Stopping
 
 __all__ = ["running"]
@@ -89,7 +88,7 @@ def test_only_what_a_stop_needs_is_imported_before_it():
         stdout=subprocess.PIPE, text=True, check=True).stdout.split()
     assert {name for name in found if name.startswith("roah_rsbb.") and name.count(".") > 1} == {
         f"roah_rsbb.{name}" for name in (
-            "client.places", "ground.arguments", "referee.at_once", "referee.exits", "referee.program")}
+            "client.places", "ground.arguments", "referee.at_once", "referee.program")}
     assert not {"tornado", "asyncio", "ssl", "subprocess", "xmlrpc", "logging"} & set(found)
 
 

@@ -7,7 +7,7 @@ from helpers.referee_box import EVENTS, ITEMS, ROBOT, UTC0, asked, box, robot, r
 from roah_rsbb.model.fields import form_of
 from roah_rsbb.model.records import ScoreValue
 from roah_rsbb.model.zone import RunClock, Switches
-from roah_rsbb.referee.changes import changes, news
+from roah_rsbb.referee.state import changes, news
 
 
 def _facts(old, new, **options):

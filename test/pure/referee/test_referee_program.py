@@ -10,6 +10,7 @@ from roah_rsbb.core.actions.runs import UNSIGNED
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.results import EventSeen
 from roah_rsbb.referee import commands, program
+from roah_rsbb.referee.call import Call
 
 
 def test_signals_that_come_together_are_one_wish(monkeypatch):
@@ -39,5 +40,5 @@ def test_a_refused_choose_names_its_option():
     link = types.SimpleNamespace(box=found, act=act)
     options = types.SimpleNamespace(zone="Home", event=1, yes=True, unsigned=False, referee="")
     with pytest.raises(Refused) as refused:
-        commands.COMMANDS["choose"](link, options, None)
+        commands.COMMANDS["choose"].do(Call(link, options, None))
     assert refused.value.reasons == [unsigned, "Give --unsigned to leave it, or sign it off first ('sign-off')"]

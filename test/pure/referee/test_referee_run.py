@@ -5,7 +5,7 @@ import pytest
 from helpers import referee_box
 from helpers.referee_box import EVENTS, NO_RUN, FakeLink
 from roah_rsbb.model.reason import Refused
-from roah_rsbb.referee.exits import Exit, NoCore
+from roah_rsbb.referee.at_once import Exit, NoCore
 from roah_rsbb.referee.run import RunScript, ScriptPlan
 from roah_rsbb.referee.words import EventWanted, event_wanted
 

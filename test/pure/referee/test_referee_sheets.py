@@ -5,10 +5,13 @@ from types import SimpleNamespace
 import pytest
 
 from helpers.referee_box import ITEMS, UTC0
+from helpers.referee_box import NOW as NOW_ON_BOX
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.results import HistoryEntry, JudgedRun, Judging, RunEnd, RunLine, RunSheet
-from roah_rsbb.referee import judges, view
-from roah_rsbb.referee.sheets import LAST, pick_run, run_lines, sheet_lines
+from roah_rsbb.referee import view
+from roah_rsbb.referee.call import Call, Output
+from roah_rsbb.referee.sheets import COMMANDS, LAST, pick_run
+from roah_rsbb.referee.view import run_lines, sheet_lines
 from roah_rsbb.referee.words import BadWord
 from roah_rsbb.wording.times import Moments
 
@@ -51,11 +54,12 @@ def test_a_run_without_judges_is_published_too(runs, chosen):
     done = []
     box = SimpleNamespace(box=SimpleNamespace(zones=["Home A"]), judging={}, results={}, runs=lambda: runs)
     link = SimpleNamespace(
-        box=box, judging=lambda zone, identity: JudgedRun(Judging(zone, identity), (), ()), settle=lambda: None,
+        box=box, now=lambda: NOW_ON_BOX, settle=lambda: None,
+        judging=lambda zone, identity: JudgedRun(Judging(zone, identity), (), ()),
         act=lambda action, zone, given, identity, who: done.append((action, identity)))
-    options = SimpleNamespace(action="publish", zone="home", run=None, minutes=None, referee="Hugo")
+    options = SimpleNamespace(action="publish", zone="home", run=None, seconds=-1, referee="Hugo")
     try:
-        judges.judges(link, options, SimpleNamespace(json=True, object=lambda value: None))
+        COMMANDS["judges"].do(Call(link, options, Output(True, True)))
     except (BadWord, Refused) as error:
         done.append(str(error))
     assert done == [("publish", chosen)] or chosen in done[0]

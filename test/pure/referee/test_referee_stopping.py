@@ -6,8 +6,7 @@ import pytest
 
 from helpers.referee_box import box, running_zone, zone
 from roah_rsbb.client.client import Answer
-from roah_rsbb.referee.at_once import is_all
-from roah_rsbb.referee.exits import Exit
+from roah_rsbb.referee.at_once import Exit, is_all
 from roah_rsbb.referee.stopping import STOP_HINT, Stopping, TypedStops, ZoneStop
 from roah_rsbb.referee.words import BadWord, stop_wanted
 

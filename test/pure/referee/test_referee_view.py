@@ -15,8 +15,8 @@ from roah_rsbb.model.records import GroupPoints, ScoreValue, SheetPoints
 from roah_rsbb.model.results import EventSeen
 from roah_rsbb.model.zone import AllRobots, SheetItem, Switches
 from roah_rsbb.referee import view
-from roah_rsbb.referee.args import parser
-from roah_rsbb.referee.changes import Change, changes
+from roah_rsbb.referee.commands import parser
+from roah_rsbb.referee.state import Change, changes
 from roah_rsbb.wording.times import Moments
 
 UTC, COLOUR = (view.Style(in_colour, Moments(in_utc=True)) for in_colour in (False, True))
