@@ -747,11 +747,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>▶ Continue the run</source>
-        <translation>▶ Lauf fortsetzen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>The rules allow a restart, which continues this run.</source>
         <translation>Die Regeln erlauben einen Neustart, der diesen Lauf fortsetzt.</translation>
     </message>
@@ -999,6 +994,11 @@
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>No answer from the box: check the network, and try again</source>
         <translation>Keine Antwort von der Box: prüfen Sie das Netz und versuchen Sie es noch einmal</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>▶ Continue the run</source>
+        <translation>▶ Lauf fortsetzen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>

@@ -110,6 +110,11 @@ def _report(text: str, error: Exception) -> None:
         _log.error("This text cannot be translated, so it is in English: %r (%s: %s)", text, kind, error)
 
 
+def tr_words(**texts: str) -> Dict[str, str]:
+    """Return texts by their names in the present language. Their places stay: a page fills them."""
+    return {name: tr(text) for name, text in texts.items()}
+
+
 def tr_later(text: str) -> str:
     """Return the text unchanged: `tr` translates it where it is shown. Texts of constants are written in it."""
     return text

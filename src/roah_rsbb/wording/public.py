@@ -18,7 +18,7 @@ from roah_rsbb.model.document import (
 )
 from roah_rsbb.model.zone import ENDED, IDLE, RUNNING, ZoneSeen
 from roah_rsbb.wording import sheets, times
-from roah_rsbb.wording.language import number, tr, tr_later, tr_said
+from roah_rsbb.wording.language import number, tr, tr_later, tr_said, tr_words
 from roah_rsbb.wording.times import PAUSED
 from roah_rsbb.wording.whole_box import REPLAY
 
@@ -106,18 +106,15 @@ def standing_title(title: str) -> str:
 
 def page_words() -> Dict[str, str]:
     """Return the fixed texts of the pages in browsers, by the names that the pages use."""
-    return {
-        "waiting": tr(WAITING), "nothing_runs": tr(NOTHING_RUNS), "schedule_is_done": tr(SCHEDULE_IS_DONE),
-        "no_signal": tr(NO_SIGNAL, time=TIME), "runs": tr(RUNS), "next": tr(NEXT), "results": tr(RESULTS),
-        "provisional": tr(PROVISIONAL), "display": tr("Public display"), "overlay": tr("Overlay for video"),
-        "all_zones": tr("all zones"), "teams": tr("Teams"), "standings": tr("Standings"),
-        "referees": tr("Referees"), "referee_page": tr("Referee's page"), "box_page": tr("Whole box"),
-        "data": tr("Data for programs"), "no_results": tr("No results are public yet"),
-        "no_standings": tr("No standings are public yet"),
-        "pair_page": tr("Pair this device"), "displays_page": tr("What each display shows"),
-        "codes_page": tr("Codes of the teams"),
-        "no_events": tr("No more events"), "not_in_schedule": tr("Nothing is known of this team"),
-    }
+    return tr_words(
+        waiting=WAITING, nothing_runs=NOTHING_RUNS, schedule_is_done=SCHEDULE_IS_DONE, no_signal=NO_SIGNAL, runs=RUNS,
+        next=NEXT, results=RESULTS, provisional=PROVISIONAL, display="Public display", overlay="Overlay for video",
+        all_zones="all zones", teams="Teams", standings="Standings", referees="Referees",
+        referee_page="Referee's page", box_page="Whole box", data="Data for programs",
+        no_results="No results are public yet", no_standings="No standings are public yet",
+        pair_page="Pair this device", displays_page="What each display shows", codes_page="Codes of the teams",
+        no_events="No more events", not_in_schedule="Nothing is known of this team",
+    )
 
 
 def _has_many_zones(document: Document) -> bool:

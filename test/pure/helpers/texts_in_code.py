@@ -14,6 +14,7 @@ FOLDERS = ("wording", "rqt")
 # What is shown in other languages: texts of windows, and reasons, wherever they are made.
 SAY = "say"
 MARKS = ("tr", "tr_later", SAY)
+WORDS = "tr_words"  # several texts, by their names
 
 # Calls whose texts no window shows: log lines, errors of programs, command lines, formats.
 NOT_SHOWN = {
@@ -176,6 +177,11 @@ class _Visitor(ast.NodeVisitor):
         name = _name(node.func)
         if name in MARKS and not (name == SAY and isinstance(node.func, ast.Attribute)):  # a panel says something
             self._mark(node)
+        elif name == WORDS:
+            for word in node.keywords:
+                if _string(word.value) is not None:
+                    self._add(self.marked, word.value.value, word.value)
+                    self._done.add(id(word.value))
         elif name in NOT_SHOWN:
             self._skip(node.func)
             for part in (*node.args, *(keyword.value for keyword in node.keywords)):
@@ -261,6 +267,11 @@ def calls() -> List[Call]:
             Call(place, node.lineno, _texts_of(node.args[0], known), frozenset(k.arg or "**" for k in node.keywords))
             for node in ast.walk(tree)
             if isinstance(node, ast.Call) and _name(node.func) == "tr" and node.args
+        ]
+        found += [
+            Call(place, node.lineno, frozenset([text]), fields(text))  # a page fills the places
+            for node in ast.walk(tree) if isinstance(node, ast.Call) and _name(node.func) == WORDS
+            for word in node.keywords for text in _texts_of(word.value, known)
         ]
     return found
 
