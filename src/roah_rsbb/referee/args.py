@@ -36,7 +36,7 @@ Argument = Tuple[Tuple[str, ...], Dict[str, Any]]
 Do = Callable[[Any, argparse.Namespace, Any], Exit]
 
 
-class Command(NamedTuple):
+class TypedCommand(NamedTuple):
     """A command. `text` is its help, and `examples` are what may follow its name. `has_keyboard`: it reads what is
     typed. `is_exclusive`: only one of the arguments can be given. `actions`: the commands below it, one of which is
     given."""
@@ -48,10 +48,10 @@ class Command(NamedTuple):
     do: Do
     has_keyboard: bool = False
     is_exclusive: bool = False
-    actions: Mapping[str, "Command"] = {}
+    actions: Mapping[str, "TypedCommand"] = {}
 
 
-class Commands(Dict[str, Command]):
+class Commands(Dict[str, TypedCommand]):
     """Commands by their names."""
 
     def add(
@@ -59,7 +59,7 @@ class Commands(Dict[str, Command]):
     ) -> Callable[[Do], Do]:
         """Make a command of the decorated function."""
         def added(do: Do) -> Do:
-            self[name] = Command(name, text, examples, arguments, do, **more)
+            self[name] = TypedCommand(name, text, examples, arguments, do, **more)
             return do
         return added
 
@@ -121,13 +121,13 @@ _EXAMPLES = {"name": "r1", "text": "'the reason'", "number": "60", "choice": "ye
              "team": "Beta", "event": "e1"}
 
 
-def of_action(action: Action, do: Do) -> Command:
+def of_action(action: Action, do: Do) -> TypedCommand:
     """Return the command of an action: what must be entered is a word, what may be is an option."""
     words = " ".join(_example(field) for field in action.fields if _is_word(field))
     said = str(action.explanation)
     shown = [field for field in action.fields if field.name not in ALWAYS.get(action.name, {})]
-    return Command(action.words, said[0].lower() + said[1:], [f"'Home A' {words}".rstrip()],
-                   [ZONE, *map(_of_field, shown), *([LEAVING] if action.leaves else []), BY], do)
+    return TypedCommand(action.words, said[0].lower() + said[1:], [f"'Home A' {words}".rstrip()],
+                        [ZONE, *map(_of_field, shown), *([LEAVING] if action.leaves else []), BY], do)
 
 
 def _of_field(field: Field) -> Argument:
@@ -165,7 +165,7 @@ def given_in(options: argparse.Namespace, action: Action) -> Dict[str, Any]:
 # -- the parser -------------------------------------------------------------------------------------
 
 
-def parser_of(commands: Mapping[str, Command]) -> argparse.ArgumentParser:
+def parser_of(commands: Mapping[str, TypedCommand]) -> argparse.ArgumentParser:
     """Return the parser with these commands and their help."""
     top = Parser(
         prog=PROG, formatter_class=_formatter,
@@ -180,7 +180,7 @@ def parser_of(commands: Mapping[str, Command]) -> argparse.ArgumentParser:
     return top
 
 
-def add_to(subparsers: Any, commands: Mapping[str, Command], before: str) -> None:
+def add_to(subparsers: Any, commands: Mapping[str, TypedCommand], before: str) -> None:
     """Add commands to a parser; `before`: what is typed before their names."""
     for command in commands.values():
         typed = f"{before} {command.name}"

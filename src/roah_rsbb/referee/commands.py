@@ -11,7 +11,7 @@ from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import CONNECTED, IDLE, RUNNING, SheetItem
 from roah_rsbb.referee import args, organiser, sheets, view
-from roah_rsbb.referee.args import BY, OF_RUN, ZONE, Command, Commands, argument, switch
+from roah_rsbb.referee.args import BY, OF_RUN, ZONE, Commands, TypedCommand, argument, switch
 from roah_rsbb.referee.at_once import ALL_OPTION, Exit, NoCore
 from roah_rsbb.referee.call import Call, Output
 from roah_rsbb.referee.link import Link, NotConfirmed
@@ -250,7 +250,7 @@ def _show_outcome(name: str, outcome: ScriptOutcome, output: Output) -> None:
 
 # -- all commands ---------------------------------------------------------------------------------
 
-COMMANDS: Dict[str, Command] = {
+COMMANDS: Dict[str, TypedCommand] = {
     **_OF_BOX,
     **{action.words: args.of_action(action, _act) for action in ACTIONS.values() if action.name not in PLACED},
     **_OF_ZONE, **sheets.COMMANDS, **organiser.COMMANDS,
