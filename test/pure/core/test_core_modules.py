@@ -231,11 +231,12 @@ def test_a_module_that_repeats_itself_stays_there_and_nothing_happens():
         before = driver.box.happenings
         modules.beat()
         assert driver.box.happenings == before
-    assert driver.box._modules.driver(driver.now, "STB", "a") is not None
+    driver.connected("a")
+    assert driver.off("start", "a") == []
     again = FakeModules(driver, "STB", problems=["no file"])
     again.beat()
     assert driver.box.happenings != before
-    assert driver.box._modules.driver(driver.now, "STB", "a").info.problems == ("no file",)
+    assert driver.off("start", "a") == ["no file"]
 
 
 def test_a_flood_of_nodes_does_not_grow():

@@ -265,18 +265,6 @@ def test_two_hosts_with_one_name_are_reported_to_every_referee():
     assert driver.channels == {6667: "10.0.0.2"}
 
 
-def test_a_rival_that_sends_beacons_during_the_run_moves_nothing():
-    driver = BoxDriver()
-    robot = driver.executing()
-    rival = driver.robot(host="10.0.0.66", skew=9.0)
-    for _ in range(5):
-        robot.says(after=1.0)
-        rival.beacon()
-    assert driver.channels == {robot.port: robot.host}
-    assert driver.run_in().link.times_valid
-    assert "Two robots call themselves r1" in document.box_status(driver.box, driver.now)
-
-
 def test_a_robot_with_a_new_address_in_its_run_is_not_reported_as_two():
     driver = BoxDriver()
     robot = driver.executing()

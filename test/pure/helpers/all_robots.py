@@ -32,11 +32,16 @@ def take_ports(driver, robots):
         robot.port = listed.get((robot.team, robot.name))
 
 
-def connect_all(driver, robots):
-    """Connect, and let every robot in the run report STOP."""
+def listed(driver, robots):
+    """Connect, and give the robots their ports; none has said a word."""
     driver.command("connect")
     take_ports(driver, robots)
-    for robot in robots:
+    return robots
+
+
+def connect_all(driver, robots):
+    """Connect, and let every robot in the run report STOP."""
+    for robot in listed(driver, robots):
         if robot.port is not None:
             robot.says(RobotState.STOP)
     return robots

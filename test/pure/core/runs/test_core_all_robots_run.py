@@ -13,12 +13,12 @@ from helpers.all_robots import (
     connected,
     counts,
     ends,
+    listed,
     live_all,
     robots_of,
     running,
     start_all,
     state_lines,
-    take_ports,
 )
 from helpers.competition import event
 from roah_rsbb.core import effects
@@ -33,9 +33,7 @@ from roah_rsbb.protocol import BoxState, RobotState
 
 def test_start_waits_a_moment_for_robots_that_have_not_answered():
     driver = all_robots_box()
-    robots = robots_of(driver)
-    driver.command("connect")
-    take_ports(driver, robots)
+    robots = listed(driver, robots_of(driver))
     robots[0].says()
     assert driver.off("start") == [f"{R2}: {NO_ANSWER}", f"{R3}: {NO_ANSWER}"]
     assert state_lines(driver)[-1] == "Robots connected: 3 / ready: 1"
@@ -50,9 +48,7 @@ def test_start_waits_a_moment_for_robots_that_have_not_answered():
 
 def test_a_robot_that_never_answers_blocks_nobody():
     driver = all_robots_box()
-    robots = robots_of(driver)
-    driver.command("connect")
-    take_ports(driver, robots)
+    robots = listed(driver, robots_of(driver))
     live_all(driver, robots[:2], 2)
     assert driver.off("start") == [f"{R3}: {NO_ANSWER}"]
     live_all(driver, robots[:2], 1)
@@ -70,9 +66,7 @@ def test_a_robot_that_never_answers_blocks_nobody():
 
 def test_a_robot_that_was_left_out_joins_as_soon_as_it_is_ready():
     driver = all_robots_box()
-    robots = robots_of(driver)
-    driver.command("connect")
-    take_ports(driver, robots)
+    robots = listed(driver, robots_of(driver))
     live_all(driver, robots[:2], 3)
     driver.command("start")
     robots[2].skew = 0.5
@@ -94,9 +88,7 @@ def test_a_robot_that_was_left_out_joins_as_soon_as_it_is_ready():
 
 def test_a_robot_that_joins_late_has_the_same_clock():
     driver = all_robots_box(timeout=60.0)
-    robots = robots_of(driver)
-    driver.command("connect")
-    take_ports(driver, robots)
+    robots = listed(driver, robots_of(driver))
     live_all(driver, robots[:2], 4)
     driver.command("start")
     deadline = driver.run_in().clock.deadline()
@@ -265,9 +257,7 @@ def test_of_saving_and_timeout_the_first_that_was_due_counts():
 
 def test_a_robot_left_out_does_not_keep_the_run_from_its_end():
     driver = all_robots_box()
-    robots = robots_of(driver)
-    driver.command("connect")
-    take_ports(driver, robots)
+    robots = listed(driver, robots_of(driver))
     live_all(driver, robots[:2], 4)
     driver.command("start")
     for robot in robots[:2]:

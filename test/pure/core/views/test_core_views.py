@@ -80,14 +80,6 @@ def test_a_view_says_why_each_button_is_off():
     }
 
 
-def test_the_timer_counts_down():
-    driver = BoxDriver(competition(tbm=[event(timeout=60.0)]))
-    robot = driver.connected()
-    driver.command("start")
-    robot.lives(10)
-    assert driver.view().timer == pytest.approx(50.0, abs=0.1)
-
-
 def test_active_robots_with_their_skew():
     driver = BoxDriver()
     driver.robot("Beta", "b", skew=-0.25).beacon()
