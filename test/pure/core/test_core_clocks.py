@@ -64,6 +64,16 @@ def test_a_robot_whose_clock_is_set_right_in_a_run_continues_and_the_referee_is_
     assert driver.run_in().end_reason is EndReason.COMPLETED
 
 
+def test_a_robot_whose_clock_is_set_back_together_with_the_boxs_is_heard_again():
+    driver = _minute()
+    robot = driver.executing()
+    robot.lives(5)
+    driver.set_clock(-100.0)
+    robot.lives(5)
+    assert driver.run_in().link.last_heard == driver.now
+    robot.completes()
+
+
 def test_recorded_datagrams_have_no_effect_while_the_robot_lives():
     driver = BoxDriver(competition(tbm=["HCFGAC"]))
     robot = driver.connected()

@@ -23,6 +23,7 @@ from helpers.all_robots import (
 from helpers.competition import event
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Level
+from roah_rsbb.core.runs.all_robots import SETTLE_S
 from roah_rsbb.core.runs.run import IGNORES_STOP
 from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.model.zone import AllRobots
@@ -328,6 +329,17 @@ def test_a_robot_that_does_not_stop_blocks_the_next_start_only_for_a_moment():
     assert [m.end_reason for m in driver.run_in().members()] == [None] * 3
     robots[2].says(RobotState.STOP)
     assert box_states(driver, robots) == [BoxState.PREPARE] * 3
+
+
+def test_the_box_is_looked_at_when_the_robots_have_had_their_time_to_stop():
+    """What is against a start changes then, and whoever shows it looks after each tick."""
+    driver, robots = running()
+    driver.command("stop")
+    due = driver.now.mono + SETTLE_S
+    driver.run(2.0)
+    for robot in robots:
+        robot.says()
+    assert driver.box.deadline() == due
 
 
 def test_time_that_is_up_after_a_stop_is_up():

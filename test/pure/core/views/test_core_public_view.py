@@ -310,6 +310,7 @@ def test_what_robots_say_is_for_the_public_only_if_it_is_allowed():
     robot.says(notifications=[str(number) for number in range(20)])
     assert [one.text for one in explained(driver, with_texts=True).said] == [
         str(number) for number in range(20 - MAX_SAID, 20)]
+    assert len(driver.box.zones["tbm"].saved().run.said) == MAX_SAID, "no more is written with each change"
 
 
 def test_what_a_robot_said_before_a_repeated_start_is_gone():
