@@ -2,7 +2,9 @@
 
 import pytest
 
-from roah_rsbb.ros import messages
+pytest.importorskip("genpy")
+
+from roah_rsbb.ros import messages  # noqa: E402  (only with ROS)
 
 RAISED = "service [/core/connect] responded with an error: "
 
