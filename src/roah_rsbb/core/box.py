@@ -361,6 +361,9 @@ class Box:
             self._outbox.notice(Level.INFO, f"Robot {robot_id} is active at {host}")
         else:
             texts += [self.watches.rivals(now, heard), self.watches.two_clocks(now, heard)]
+            rivals, run = heard.rivals(now), self.zones.run_of(robot_id)
+            if rivals and run is not None and not heard.is_here(rivals):
+                self._outbox.mark_shown(run.zone)  # the robot's next report shows that there are two
         squatter = self.robots.take_squatter()
         if squatter is not None:
             texts.append(self.watches.squatter(now, squatter))
