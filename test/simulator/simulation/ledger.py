@@ -93,6 +93,11 @@ class Believed:
         return self.phase is Phase.RUNNING and not self.is_paused
 
     @property
+    def is_stopped(self):
+        """Whether a referee ended it, and that is not lost."""
+        return self.phase is Phase.ENDED and self.stopped == self.changed and self.final is not None
+
+    @property
     def is_something(self):
         """Whether it began, or was scored. Otherwise it may be forgotten when it is left."""
         return not self.is_left or self.went > 0.0 or bool(self.taken) or self.phase is not Phase.CONNECTED
@@ -488,11 +493,12 @@ class Ledger:
 
     # -- losses -------------------------------------------------------------------------------------
 
-    def lost(self, sure, has_confirmed=True, keeps_stop=lambda at: True):
+    def lost(self, sure, has_confirmed=True, keeps_stop=lambda at: True, is_taken_over=False):
         """A box was lost. What happened up to `sure` (true time) must be there again, with `has_confirmed` also
-        what was confirmed, and a STOP of a moment for which `keeps_stop` holds."""
+        what was confirmed, and a STOP of a moment for which `keeps_stop` holds. `is_taken_over`: what the computer of
+        that box kept does not matter any more."""
         before = self._sure
-        self._keeps_stop.append(keeps_stop)
+        self._keeps_stop = [*([] if is_taken_over else self._keeps_stop), keeps_stop]
         self.has_lost = self.has_lost or sure < self._world.scheduler.now
         if sure >= self._world.scheduler.now and before is None:
             return

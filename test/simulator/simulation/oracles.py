@@ -67,7 +67,7 @@ class Oracles:
         self._ports.clear()
         self._is_other_clock = True
         self._world.ledger.lost(self._world.standby.copied_until, self._world.config.durable is Durable.TWO,
-                                self._world.standby.has_heard)
+                                self._world.standby.has_heard, is_taken_over=True)
 
     def _on_datagram(self, source, port, _datagram, _host):
         if self._is_other and port != STANDBY_PORT and source in self._hosts():

@@ -44,6 +44,10 @@ class Robot:
         if self.is_on:
             self.process.hang(seconds)
 
+    def complete_after(self, seconds):
+        """From its next start on, it completes its task so long after it was let go."""
+        self._options.update(execute_duration=seconds - self._options["prepare_duration"], never_end=False)
+
     @property
     def executes_s(self):
         """How long it executes."""

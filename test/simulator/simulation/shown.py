@@ -59,6 +59,10 @@ class Shown:
             self._fail("shown", f"{identity} shows {clock.spent(mono):.2f} s of {believed.watch.read(now):.2f} s")
         if bool(clock.paused) is not believed.is_paused:
             self._fail("shown", f"{identity} is shown as {clock.paused or 'not paused'}")
+        if believed.is_stopped:
+            left = max(0.0, core.box.settings.after_stop_duration - (now - believed.stopped))
+            if abs(clock.after_stop(mono) - left) > most:
+                self._fail("shown", f"{identity} shows {clock.after_stop(mono):.2f} s after its stop, not {left:.2f} s")
         values = believed.values()
         if {(item.group, item.desc): item.value for item in seen.items} != {
                 item.key: values.get(item.key, 0) for item in believed.event.benchmark.scoring}:

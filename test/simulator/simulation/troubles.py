@@ -14,6 +14,8 @@ from .air import PUBLIC_PORT
 from .ledger import DURABLE, members
 
 STRANGER = "10.0.0.99"
+# The shortest limit of a run.
+SHORT_S = 10.0
 
 
 class Trouble(NamedTuple):
@@ -40,6 +42,9 @@ def plan_of(world, random):
             for kind in random.choices(kinds, k=count)]
     if world.standby is not None and random.random() < 0.6:
         plan.append(Trouble(random.uniform(6.0, world.length_s), "take over", KINDS["take over"](world, random)))
+    if random.random() < 0.4:
+        kind = random.choice(LED)
+        plan.append(Trouble(random.uniform(1.0, 10.0), kind, KINDS[kind](world, random)))
     return sorted(plan)
 
 
@@ -78,7 +83,7 @@ KINDS = {
     LOST: lambda w, r: (r.random() < 0.5, r.random() < 0.7, r.uniform(0.1, 3.0)),
     "full disk": lambda w, r: (r.uniform(0.5, 8.0),),
     "box's clock": lambda w, r: (r.choice((-3600.0, -1.0, -0.2, 0.2, 1.0, 3600.0)),),
-    "hang at a limit": lambda w, r: (),
+    "hang at a limit": lambda w, r: (_robot(w, r), r.uniform(0.3, 2.0)),
     "left out": lambda w, r: (_robot(w, r), r.uniform(0.5, 3.0)),
     "robot's clock": lambda w, r: (_robot(w, r), r.choice((-10.0, -0.5, 0.05, 10.0))),
     "robot crashes": lambda w, r: (_robot(w, r), r.uniform(0.5, 5.0)),
@@ -96,6 +101,8 @@ KINDS = {
 
 DISK = ("kill", "kill at an entry", "kill, then kill", "kill, then power", "power", "power at an entry", "slow disk",
         "slow disk, then power", "broken disk", "frozen disk", LOST, "full disk", "hang")
+# The referee leads a zone to where these make a difference.
+LED = "hang at a limit", "left out", LOST
 OF_STANDBY = ("standby hangs", "standby restarts", "take over", "cut off", "old box restarts")
 NETWORK = ("loss", "late", "double", "cut off", "kill", "attack", "attack after a loss", "replay", "relay", "garbage",
            "forged beacon", "robot crashes", "robot hangs", "robot's clock", "hang at a limit", "left out")
@@ -172,27 +179,34 @@ class Troubles:
         """Let something happen soon after the next one of these commands."""
         self._world.referee.then.append((commands, function, longest_s))
 
-    def _hang_at_a_limit(self):
-        """The box does nothing from the result of a robot on, until the limit of its run is over."""
-        world, now = self._world, self._world.scheduler.now
-        for robot in world.robots:
-            believed = None if robot.link is None else world.witness.runs_at.get(robot.link.port)
-            if believed is None or believed.phase is not Phase.RUNNING or robot.state is not RobotState.EXECUTING:
-                continue
+    def _hang_at_a_limit(self, number, before_s):
+        """A robot completes its task just in time, and the box does nothing from then on, until the time is over."""
+        robot = self._world.robots[number]
+        robot.complete_after(SHORT_S - before_s)
+        robot.crash(0.1)
+        self._hang_when_completed(number)
+
+    def _hang_when_completed(self, number):
+        world, now, robot = self._world, self._world.scheduler.now, self._world.robots[number]
+        believed = None if robot.link is None else world.witness.runs_at.get(robot.link.port)
+        if believed is None or believed.phase is not Phase.RUNNING or robot.state is not RobotState.EXECUTING:
+            completes = limit = now
+        else:
             completes = world.witness.reports[robot.link.port][-1][0] + robot.executes_s
             limit = now + believed.event.benchmark.total_timeout - believed.watch.read(now)
-            if now < completes and 0.15 < limit - completes < 2.5:
-                world.referee.rests_until = limit + 0.5
-                world.scheduler.after(completes - now, functools.partial(self._hang, limit - completes + 0.2))
-                return
-        self._later(self._hang_at_a_limit)
+        if now < completes and 0.15 < limit - completes < 2.5:
+            world.referee.rests_until = limit + 0.5
+            world.scheduler.after(completes - now, functools.partial(self._hang, limit - completes + 0.2))
+        else:
+            self._later(self._hang_when_completed, number, suits=lambda event: (
+                event.team == robot.team and event.benchmark.total_timeout == SHORT_S))
 
     def _left_out(self, number, seconds):
         """A run of all robots starts without one, is stopped, and then that robot is there again."""
         world, robot = self._world, self._world.robots[number]
         core, believed = world.box.core, None if robot.link is None else world.witness.runs_at.get(robot.link.port)
         if core is None or believed is None or believed.phase is not Phase.CONNECTED or believed.event.team != "ALL":
-            self._later(self._left_out, number, seconds)
+            self._later(self._left_out, number, seconds, suits=lambda event: event.team == "ALL")
             return
         world.referee.rests_until = world.scheduler.now + 7.0 + seconds
         robot.hang(5.0 + seconds)
@@ -228,23 +242,24 @@ class Troubles:
                         (begin + 0.3 + seconds, lose)):
             world.scheduler.after(at, act)
 
-    def _later(self, method, *values):
-        """Begin a trouble again soon: now it makes no difference. The referee leads a zone to where it does."""
-        world, core, is_of_all = self._world, self._world.box.core, method == self._left_out
+    def _later(self, method, *values, suits=lambda event: event.team != "ALL"):
+        """Begin a trouble again soon: now it makes no difference. The referee leads a zone to an event that suits it.
+        """
+        world, core = self._world, self._world.box.core
         if not self._are_allowed:
             return
         world.scheduler.after(0.5, lambda: method(*values))
-        zone = None if core is None else core.box.zones[min(core.box.zones)]
+        zones = [] if core is None else [zone for zone in core.box.zones.values() if any(map(suits, zone.planned))]
         self._led += 1
-        if zone is None or method == self._relay or self._led > MOST_LED:
+        if not zones or method == self._relay or self._led > MOST_LED:
             return
+        zone, run = zones[0], zones[0].run
         world.referee.rests_until = max(world.referee.rests_until, world.scheduler.now + 0.6)
-        if zone.run is None:
-            is_there = (zone.event.team == "ALL") is is_of_all
-            self._press(core, zone.name, "connect" if is_there else self._random.choice(("next", "previous")))
-        elif zone.run.phase is Phase.CONNECTED and (zone.run.event.team != "ALL" or not is_of_all):
-            self._press(core, zone.name, "disconnect" if is_of_all else "start")
-        elif zone.run.phase is Phase.ENDED:
+        if run is None:
+            self._press(core, zone.name, "connect" if suits(zone.event) else self._random.choice(("next", "previous")))
+        elif run.phase is Phase.CONNECTED and not (suits(run.event) and method == self._left_out):
+            self._press(core, zone.name, "start" if suits(run.event) else "disconnect")
+        elif run.phase is Phase.ENDED:
             self._press(core, zone.name, "disconnect")
 
     def _take_over(self, how, seconds):

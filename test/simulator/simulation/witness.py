@@ -63,7 +63,9 @@ class Witness:
         self._go_at = collections.defaultdict(lambda: float("-inf"))  # when a box let the robot of a port move, last
         self.recorded = collections.defaultdict(list)  # what the box has read of a robot in runs, by address
         self._genuine = {}  # by port: when the last datagram of its robot came to the present box's computer
-        self._results = {}  # by port: (start of its run, when the robot's result came there, time counted until then)
+        # By port, of its run since this start: when the robot's result came there, the time counted until then, and
+        # whether the box waited for it; the first one, and the first one for which it did.
+        self._results = {}
         self._taken = set()  # datagrams that a box has read
         self._unheard = set()  # ports with a recording that no box had read before: it may be new
         self.busy_until = 0.0  # the present box was not running until then
@@ -97,9 +99,12 @@ class Witness:
         elif not is_forged and source in self._robots:
             self._genuine[port] = now
             is_done = self._robots[source].state is RobotState.RESULT_TX and believed.phase is Phase.RUNNING
-            if is_done and self._results.get(port, (None,))[0] != believed.went and (
+            went, found = self._results.get(port, (None, []))
+            found = found if went == believed.went else []
+            is_awaited = self.sent[port].state is BoxState.WAITING_RESULT
+            if is_done and (not found or (is_awaited and not found[-1][2])) and (
                     self._decoded(datagram).robot_state == RobotState.RESULT_TX):
-                self._results[port] = believed.went, now, believed.watch.read(now)
+                self._results[port] = believed.went, [*found, (now, believed.watch.read(now), is_awaited)]
 
     def add(self, robot):
         """Watch a robot, too."""
@@ -227,9 +232,9 @@ class Witness:
     def results(self, run, believed):
         """For each result of a robot that has come to the present box: the time that was counted then, and whether the
         box waited for it."""
-        found = [(member.port, self._results.get(member.port)) for member in members(run)]
-        return [(result[2], self.sent[port].state is BoxState.WAITING_RESULT) for port, result in found
-                if result is not None and result[0] == believed.went and result[1] > self._world.ledger.resumed]
+        found = [self._results.get(member.port, (None, [])) for member in members(run)]
+        return [(counted, is_awaited) for went, came in found for at, counted, is_awaited in came
+                if went == believed.went and at > self._world.ledger.resumed]
 
     def has_saved_nothing(self, run, went):
         """Whether a robot of a run has executed for so long that it must have saved offline data, since a referee let

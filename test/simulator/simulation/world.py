@@ -23,7 +23,7 @@ from .scheduler import UTC0, Computer, Scheduler
 from .shown import Shown
 from .standby import PORT, Standby
 from .trace import Trace
-from .troubles import Troubles, plan_of
+from .troubles import SHORT_S, Troubles, plan_of
 from .witness import Witness
 
 BOX_HOST, STANDBY_HOST = "10.0.0.1", "10.0.0.50"
@@ -31,8 +31,6 @@ BOX_HOST, STANDBY_HOST = "10.0.0.1", "10.0.0.50"
 BOTH_WAYS = 4
 # Seconds without troubles and without referees at the end.
 CALM_S = 12.0
-# The shortest limit of a run.
-SHORT_S = 10.0
 SCORING = (
     ScoringItem("Achievements", "detects the door", ScoreKind.BOOL, Decimal("10")),
     ScoringItem("Achievements", "changed objects", ScoreKind.UINT, Decimal("2.5")),
@@ -109,9 +107,9 @@ class World:
                             draw.uniform(-0.03, 0.03))
         options = {"prepare_duration": draw.uniform(0.0, 3.0), "execute_duration": draw.uniform(0.5, 8.0),
                    "never_end": draw.random() < 0.2}
-        if draw.random() < 0.3:  # it completes its task just in time
-            options.update(execute_duration=SHORT_S - options["prepare_duration"] - draw.uniform(0.1, 2.0))
         robot = Robot(self, computer, team, f"r{number}", self.config.passwords[team], options)
+        if draw.random() < 0.3:  # it completes its task just in time
+            robot.complete_after(SHORT_S - draw.uniform(0.1, 2.0))
         robot.saves_nothing = draw.random() < 0.15
         self.robots.append(robot)
         self.witness.add(robot)
