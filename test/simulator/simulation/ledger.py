@@ -74,7 +74,7 @@ class Believed:
         self.phase, self.reason, self.is_paused = Phase.CONNECTED, None, False
         self.changed = self.stopped = float("-inf")  # when: the last change, the last end by a referee
         self.went = float("-inf")  # when a referee let the robot go, for the last time
-        self.started_utc = 0.0  # as the box has it
+        self.started_utc, self.ends = 0.0, 0  # as the box has them: when it began, and how often it has ended
         self.watch, self.setup = Watch(), Watch()
         self.phases, self.place = [], 0  # the watches of its phases, and the number of the present one
         self.entries, self.sign_off, self.reasons = [], None, {}
@@ -151,6 +151,7 @@ class Ledger:
         self._sure = None  # after a loss: until when everything must be there, and whether that was confirmed must
         self.entered_at = 0.0  # when something that must be on the disk was entered last
         self.resumed = 0.0  # when the present box began
+        self.is_first = True  # it is the first one
         self._away_s = 0.0  # for how long there was none before
         self._keeps_stop = []  # after losses: whether a STOP of a moment must be known
 
@@ -383,7 +384,11 @@ class Ledger:
         is_unseen = run.end_reason is EndReason.COMPLETED and self._world.witness.is_unseen(run)
         read = believed.watch.read(now)
         came = self._world.witness.results(run, believed) if run.end_reason is EndReason.COMPLETED else ()
-        believed.final = None if is_unseen else (min([read, *(at for at, _ in came)]), read)
+        first = min([read - self._world.box.process.hung_s(), *(at for at, _ in came)])
+        believed.final = None if is_unseen else (first, read)
+        if not believed.counts:  # of two ends that are possible, the box has one
+            believed.watch.unsure_s += self._away_s if is_unseen else read - first
+        believed.ends = len(run.record(core.now()).stops)
         is_alone = believed.event.team != "ALL"
         if is_unseen and before is Phase.RUNNING and is_alone and self._world.witness.is_counted(run):
             self._check_left_out(run.record(core.now()), believed)
@@ -507,11 +512,12 @@ class Ledger:
     def continues(self, core, is_other_clock, was_set, killed_at):
         """The next box has resumed. `was_set`: somebody has set its clock. `killed_at`: when the one before ended, on
         this computer."""
-        now = self.resumed = self._world.scheduler.now
+        now = self._world.scheduler.now
+        self.is_first, self.resumed = self.resumed == 0.0, now
         self._away_s = 0.0 if killed_at is None else now - killed_at
         if is_other_clock:
             for believed in self.current.values():
-                believed.watch.unsure_s = float("inf") if was_set else OTHER_CLOCK_S
+                believed.watch.unsure_s = max(believed.watch.unsure_s, float("inf") if was_set else OTHER_CLOCK_S)
         if self._sure is None:
             self._keeps_stop.clear()
             self.look(core)
@@ -573,11 +579,11 @@ class Ledger:
         run, watch = core.box.zones[believed.zone].run, believed.watch
         is_known = believed.phase is Phase.ENDED and believed.stopped == believed.changed and all(
             keeps(believed.stopped) for keeps in self._keeps_stop)
-        if not is_known or run.record(core.now()).started_utc != believed.started_utc:
+        record = run.record(core.now())
+        if not is_known or (record.started_utc, len(record.stops)) != (believed.started_utc, believed.ends):
             believed.final = None
         believed.is_paused = run.times.state.paused
         if run.phase is not Phase.ENDED:
-            record = run.record(core.now())
             watch.counted, watch.since = record.elapsed_s, None
             believed.phases, believed.place = [Watch() for _ in record.phases], run.times.state.phase
             for phase, found in zip(believed.phases, record.phases):

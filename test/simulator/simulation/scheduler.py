@@ -15,6 +15,8 @@ UTC0 = 1_800_000_000.0
 MOST_STEPS_AT_ONCE = 100_000
 
 
+# A process that hung takes so long to do what waited.
+JUST_S = 0.1
 # More than there are steps: what has less by this is done first.
 FIRST = 2**40
 
@@ -210,6 +212,10 @@ class Process:
     def is_hanging(self):
         """Whether it does nothing at all now."""
         return self.scheduler.now < self._hangs_until
+
+    def hung_s(self):
+        """For how long it did nothing just before; 0: it ran."""
+        return self.woke.hung_s if self.scheduler.now - self.woke.at < JUST_S else 0.0
 
     def defer(self, number, handle):
         """Do a step when the process is no longer busy."""

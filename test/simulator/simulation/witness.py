@@ -222,7 +222,7 @@ class Witness:
 
     def is_unseen(self, run):
         """Whether a robot may have completed its task while the box was away."""
-        return self._world.ledger.resumed > 0.5 and any(
+        return not self._world.ledger.is_first and any(
             self._did.get(member.port) is not RobotState.EXECUTING for member in members(run))
 
     def is_counted(self, run):
