@@ -232,10 +232,10 @@ def _saved(driver, change=lambda zones: None):
     return Saved(driver.now.utc, BoxSaved(), {name: thaw(ZoneState, state) for name, state in zones.items()})
 
 
-def _restart(driver, saved, last_port):
-    """Another core, whose record of used ports ends with `last_port`. Its notices are returned."""
+def _restart(driver, saved, last_port, unusable_ports=()):
+    """Another core, whose record of used ports ends with `last_port`."""
     again = BoxDriver(_config(), SETTINGS, last_port=last_port)
-    again.now = driver.now
+    again.now, again.unusable_ports = driver.now, unusable_ports
     again.event(again.box.resume, saved)
     return again
 
@@ -252,6 +252,21 @@ def test_an_older_record_of_ports_gives_no_port_of_a_resumed_run_again(driver):
     assert _run_ports(again) == [port]
     again.connected("fbm", team="Beta", name="r2", host="10.0.0.3")
     assert _run_ports(again) == [port, port + 1]
+
+
+def test_a_port_that_cannot_be_opened_is_kept_and_tried_again(driver):
+    """Its robot knows no other one."""
+    robot = driver.connected("tbm")
+    again = _restart(driver, _saved(driver), robot.port, {robot.port})
+    assert (_run_ports(again), again.channels) == ([robot.port], {})
+    (text,) = [text for text in again.box.warnings(again.now) if "It is tried again every second" in text]
+    assert text.startswith(f"UDP port {robot.port} of the run in zone tbm cannot be opened after the restart: ")
+    again.run(5.0)
+    assert (_run_ports(again), again.channels) == ([robot.port], {})
+    again.unusable_ports = ()
+    again.run(1.0)
+    assert again.channels == {robot.port: robot.host}
+    assert again.states[robot.port]
 
 
 def test_two_runs_on_one_port_are_not_both_resumed(driver):

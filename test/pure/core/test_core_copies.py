@@ -321,6 +321,8 @@ def test_after_a_restart_it_says_where_its_runs_continue(by, where):
     second.event(second.box.resume, Saved(
         second.now.utc, first.box.saved(), {name: zone.saved() for name, zone in first.box.zones.items()}))
     assert second.run_in().state.log.endswith(f": the run continues{where}\n")
+    outages = second.run_in().record(second.now).outages
+    assert (outages == ()) is bool(by), "on the box that took over, there was none"
 
 
 def test_after_a_restart_it_is_not_recorded_again():
