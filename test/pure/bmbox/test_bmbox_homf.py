@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from helpers.rehearsed import assert_restarts_change_nothing
 from roah_rsbb.bmbox.framework.rehearsal import Rehearsal
 from roah_rsbb.bmbox.homf import HOMF, in_order
 from roah_rsbb.bmbox.stb import STB
@@ -47,20 +48,10 @@ def test_switches_in_order(asked, done, right):
     assert in_order(asked, done) == right
 
 
-@pytest.mark.parametrize("after", range(6))
-def test_restarts_of_homf(after):
-    def acts(r):
-        return [r.answer, lambda: r.result(seconds=30.0), lambda: r.switches(1, damaged=2), r.answer,
-                lambda: r.time_out(60.0), lambda: r.switches(3, 2)]
-
-    runs = [homf(), homf()]
-    for number, (act, same) in enumerate(zip(*map(acts, runs))):
-        act()
-        same()
-        if number == after:
-            runs[1].restart()
-    assert runs[0].finished and runs[1].finished
-    assert runs[0].score.values() == runs[1].score.values()
+def test_restarts_of_homf():
+    assert_restarts_change_nothing(homf, lambda r: [
+        r.answer, lambda: r.result(seconds=30.0), lambda: r.switches(1, damaged=2), r.answer,
+        lambda: r.time_out(60.0), lambda: r.switches(3, 2)])
 
 
 def test_stb_shows_every_step():

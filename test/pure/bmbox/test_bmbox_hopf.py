@@ -1,16 +1,17 @@
 """HOPF's rules, with scores worked out by hand."""
 
 import math
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
 
 from helpers.forms import form
+from helpers.rehearsed import assert_orders_differ, assert_restarts_change_nothing
 from roah_rsbb.bmbox.framework.ground_truth import NO_TRANSFORM, Pose3
 from roah_rsbb.bmbox.framework.rehearsal import Poses, Rehearsal
-from roah_rsbb.bmbox.framework.runner import ModuleRunner
 from roah_rsbb.bmbox.hopf import HOPF, pose_score
-from roah_rsbb.model.modules import RequestKind, RunForModule
+from roah_rsbb.model.modules import RequestKind
 
 PI = math.pi
 TABLE, HERE = Pose3(0.0, 0.0, 0.8, 0.0), Pose3(0.5, 0.25, 0.8, 0.0)
@@ -125,13 +126,7 @@ def test_each_item_is_used_once():
 
 
 def test_another_run_has_another_order():
-    parameters = hopf([item(n) for n in range(1, 7)]).module.parameters
-    firsts = set()
-    for n in range(20):
-        runner = ModuleRunner(HOPF, lambda: parameters, Poses())
-        runner.on_run(RunForModule(f"run {n}", 1, "zone", "HOPF", "Team", 1, 1, running=True))
-        firsts.add(runner.module.score["goal 1", "item"])
-    assert len(firsts) > 1
+    assert_orders_differ(hopf([item(n) for n in range(1, 7)]), ("goal 1", "item"))
 
 
 def test_fewer_goals_than_items_are_some_of_the_items():
@@ -165,27 +160,19 @@ def test_a_timeout_in_prepare():
     assert r.score["goal 1", "distance_error"] is None
 
 
-@pytest.mark.parametrize("text", ["", "red mug", "[1, 2]", "{class: [a], instance: {b: c}}", "{x: ]", "!!python/x {}"])
-def test_a_result_that_cannot_be_read_scores_nothing(text):
+@pytest.mark.parametrize("text, scores, warned", [
+    *((text, (0.0, 0.0, 0.0), "") for text in (
+        "", "red mug", "[1, 2]", "{class: [a], instance: {b: c}}", "{x: ]", "!!python/x {}")),
+    ("{class: mugs, instance: red}", (1.0, 1.0, 0.0), "has no x, y, theta"),
+    ("{x: 0.5, y: 0.25, theta: 0}", (0.0, 0.0, 1.0), ""),
+    (result("Mugs", "RED"), (0.0, 0.0, 1.0), None),  # class and instance must be exact
+])
+def test_what_cannot_be_read_of_a_result_scores_nothing(text, scores, warned):
     r = hopf()
     answers(r, text, 5.0)
-    assert r.finished
-    assert (r.score["class_accuracy"], r.score["instance_accuracy"], r.score["pose_score"]) == (0.0, 0.0, 0.0)
-    assert r.score["execution_time"] == 5.0
-    assert r.module.warnings
-
-
-def test_a_result_without_its_pose_still_has_a_class():
-    r = hopf()
-    answers(r, "{class: mugs, instance: red}")
-    assert (r.score["class_accuracy"], r.score["instance_accuracy"], r.score["pose_score"]) == (1.0, 1.0, 0.0)
-    assert "has no x, y, theta" in r.module.warnings[0]
-
-
-def test_a_result_without_its_class_still_has_a_pose():
-    r = hopf()
-    answers(r, "{x: 0.5, y: 0.25, theta: 0}")
-    assert (r.score["class_accuracy"], r.score["instance_accuracy"], r.score["pose_score"]) == (0.0, 0.0, 1.0)
+    assert r.finished and r.score["execution_time"] == 5.0
+    assert (r.score["class_accuracy"], r.score["instance_accuracy"], r.score["pose_score"]) == scores
+    assert warned in r.module.warnings[0] if warned is not None else not r.module.warnings
 
 
 def test_numbers_beyond_all_measure_break_nothing():
@@ -195,12 +182,6 @@ def test_numbers_beyond_all_measure_break_nothing():
     assert r.finished
     assert 0.0 <= r.score["pose_score"] <= 0.5
     assert r.score.each("distance_error") == [1000.0, 1000.0]
-
-
-def test_class_and_instance_must_be_exact():
-    r = hopf()
-    answers(r, result("Mugs", "RED"))
-    assert (r.score["class_accuracy"], r.score["instance_accuracy"]) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("missing", ["table", "positioner"])
@@ -257,21 +238,12 @@ def test_an_item_beside_the_table_may_be_used_unchanged():
 
 
 def test_a_restart_at_each_step_changes_nothing():
-    def play(restart_at):
-        r = hopf([item(n, "mugs", f"i{n}") for n in range(1, 4)])
-        for step in range(9):
-            if step == restart_at:
-                r.restart()
-            if r.asked.kind is RequestKind.REFEREE:
-                r.truth.subjects["positioner"] = Pose3(0.1 * step, 0.2, 0.8, 0.3 * step)
-                r.answer()
-            else:
-                r.result(result("mugs", "i1", 0.4, 0.2), 5.0 + step)
-        if restart_at == 9:
-            r.restart()
-        assert r.finished, r.failed
-        return r.score.values()
+    def act(r, step):
+        if r.asked.kind is RequestKind.REFEREE:
+            r.truth.subjects["positioner"] = Pose3(0.1 * step, 0.2, 0.8, 0.3 * step)
+            r.answer()
+        else:
+            r.result(result("mugs", "i1", 0.4, 0.2), 5.0 + step)
 
-    whole = play(None)
-    for step in range(10):
-        assert play(step) == whole, step
+    assert_restarts_change_nothing(lambda: hopf([item(n, "mugs", f"i{n}") for n in range(1, 4)]),
+                                   lambda r: [partial(act, r, step) for step in range(9)])

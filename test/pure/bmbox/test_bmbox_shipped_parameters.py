@@ -14,27 +14,13 @@ def read(path, code):
     return read_parameters(str(path), code, modules()[code].PARAMETERS)
 
 
-def test_hopf():
-    parameters = read(MODULES / "HOPF.yaml", "HOPF")
-    assert (parameters.goals, parameters.goal_timeout) == (10, None)
-    assert len({item.id for item in parameters.items}) == len(parameters.items) >= parameters.goals
-
-
-def test_hppf():
-    parameters = read(MODULES / "HPPF.yaml", "HPPF")
-    assert parameters.goal_timeout is None  # that of benchmarks.yaml
-    assert "Annie" in parameters.people
-
-
-def test_hpff():
-    p = read(MODULES / "HPFF.yaml", "HPFF")
-    assert (p.minimum_distance, p.maximum_distance, p.desired_distance, p.goal_timeout) == (0.15, 3.5, 2.0, None)
-
-
-def test_hgmf():
-    parameters = read(MODULES / "HGMF.yaml", "HGMF")
-    assert parameters.goal_timeout is None  # that of benchmarks.yaml
-    assert len({thing.id for thing in parameters.objects}) == len(parameters.objects)
+def test_the_shipped_parameters():
+    hopf, hppf, hpff, hgmf = (read(MODULES / f"{code}.yaml", code) for code in ("HOPF", "HPPF", "HPFF", "HGMF"))
+    assert {each.goal_timeout for each in (hopf, hppf, hpff, hgmf)} == {None}  # that of benchmarks.yaml
+    assert len({item.id for item in hopf.items}) == len(hopf.items) >= hopf.goals == 10
+    assert "Annie" in hppf.people
+    assert (hpff.minimum_distance, hpff.maximum_distance, hpff.desired_distance) == (0.15, 3.5, 2.0)
+    assert len({thing.id for thing in hgmf.objects}) == len(hgmf.objects)
 
 
 @pytest.mark.parametrize("code, old, new, found", [

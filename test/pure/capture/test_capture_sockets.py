@@ -78,25 +78,18 @@ def test_a_box_that_broadcasts_is_heard_on_private_ports_while_it_lists_them():
     assert not notices and listener.sockets[0].fileno() == -1
 
 
-def test_private_ports_are_left_to_a_robot_on_this_machine():
+@pytest.mark.parametrize("who, offset, notice", [
+    (ROBOT, 0, "private channels are not heard:"),  # they are left to a robot on this machine
+    (BROADCAST, 1, "private channel {} is not heard: cannot open UDP")])
+def test_private_ports_that_are_not_heard_are_reported(who, offset, notice):
     port, notices = free_ports(), []
     decoder = Decoder(port, {})
     with contextlib.closing(PlainListener(decoder, BROADCAST, notices.append)) as listener, \
-            participant(ROBOT, port), participant(BOX) as box:
+            participant(who, port + offset), participant(BOX) as box:
         box.sendto(listing(port + 1), (BROADCAST, port))
         hear(listener, decoder, 1)
         assert len(listener.sockets) == 1
-    assert [notice.split(":")[0] for notice in notices] == ["private channels are not heard"]
-
-
-def test_a_private_port_that_cannot_be_opened_is_reported():
-    port, notices = free_ports(), []
-    decoder = Decoder(port, {})
-    with contextlib.closing(PlainListener(decoder, BROADCAST, notices.append)) as listener, \
-            participant(BROADCAST, port + 1), participant(BOX) as box:
-        box.sendto(listing(port + 1), (BROADCAST, port))
-        hear(listener, decoder, 1)
-    assert notices[0].startswith(f"private channel {port + 1} is not heard: cannot open UDP")
+    assert len(notices) == 1 and notices[0].startswith(notice.format(port + 1))
 
 
 @pytest.fixture

@@ -2,6 +2,7 @@
 
 import math
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -23,73 +24,36 @@ def sends(sender, until, step=0.001, start=0.0):
 BURST = list(range(0, 501, 50))
 
 
-def test_nothing_is_due_before_the_first_change():
-    sender = StateSender()
-    assert sender.deadline == math.inf
-    assert not sender.due(1e9)
+@pytest.mark.parametrize("steps, sent", [
+    ([("changed", 0.0, 3.6)], [*BURST, 1500, 2500, 3500]),
+    # A change in a burst begins a new one.
+    ([("changed", 0.0, 0.12), ("changed", 0.121, 1.7)], [0, 50, 100, *(121 + time for time in BURST), 1621]),
+    # A reply is one extra send, and moves nothing; with the state, it is one send.
+    ([("changed", 0.0, 0.12), ("reply", 0.121, 1.6)], [0, 50, 100, 121, *BURST[3:], 1500]),
+    ([("changed", 0.0, -1.0), ("reply", 0.0, -1.0), ("reply", 0.0, 0.049)], [0]),
+    ([("reply", 7.0, 20.0)], [7000]),
+    # A computer that was suspended catches up on nothing.
+    ([("changed", 0.0, 2.0), ("", 3600.0, 3602.0)], [*BURST, 1500, 3600000, 3601000, 3602000]),
+], ids=["change", "change in a burst", "reply", "reply with the state", "reply alone", "suspended"])
+def test_when_the_state_is_sent(steps, sent):
+    """What happens, when, and until when the sender is asked."""
+    sender, found = StateSender(), []
+    assert sender.deadline == math.inf and not sender.due(1e9), "nothing is due before the first change"
+    for what, at, until in steps:
+        if what:
+            getattr(sender, what)(at)
+            assert sender.deadline == at
+        found += sends(sender, until, start=at)
+    assert found == sent
 
 
-def test_a_change_is_sent_at_once_then_ten_times_then_each_second():
-    sender = StateSender()
-    sender.changed(0.0)
-    assert sender.deadline == 0.0
-    assert sends(sender, 3.6) == [*BURST, 1500, 2500, 3500]
-
-
-def test_a_change_in_a_burst_begins_a_new_one():
-    sender = StateSender()
-    sender.changed(0.0)
-    assert sends(sender, 0.12) == [0, 50, 100]
-    sender.changed(0.121)
-    assert sends(sender, 1.7, start=0.121) == [121 + time for time in BURST] + [1621]
-
-
-def test_a_reply_is_one_extra_send_and_moves_nothing():
-    sender = StateSender()
-    sender.changed(0.0)
-    assert sends(sender, 0.12) == [0, 50, 100]
-    sender.reply(0.121)
-    assert sender.deadline == 0.121
-    assert sends(sender, 1.6, start=0.121) == [121, *BURST[3:], 1500]
-
-
-def test_a_reply_that_is_due_with_the_state_is_one_send():
+def test_whoever_asks_late_gets_one_send_and_a_little_late_keeps_the_pace():
     sender = StateSender()
     sender.changed(0.0)
-    sender.reply(0.0)
-    sender.reply(0.0)
-    assert sends(sender, 0.049) == [0]
-
-
-def test_a_reply_alone_is_sent_once():
-    sender = StateSender()
-    sender.reply(7.0)
-    assert sender.deadline == 7.0
-    assert sender.due(7.0)
-    assert sender.deadline == math.inf
-
-
-def test_whoever_asks_late_gets_one_send():
-    sender = StateSender()
-    sender.changed(0.0)
-    assert sender.due(0.3)
-    assert not sender.due(0.3)
+    assert sender.due(0.3) and not sender.due(0.3)
     assert sender.deadline == 0.35
-
-
-def test_a_little_late_keeps_the_pace():
-    sender = StateSender()
-    sender.changed(0.0)
-    sender.due(0.0)
-    assert sender.due(0.06)
-    assert abs(sender.deadline - 0.1) < 1e-9
-
-
-def test_a_suspended_computer_catches_up_on_nothing():
-    sender = StateSender()
-    sender.changed(0.0)
-    sends(sender, 2.0)
-    assert sends(sender, 3605.0, start=3600.0) == [3600000, 3601000, 3602000, 3603000, 3604000, 3605000]
+    assert sender.due(0.36)
+    assert abs(sender.deadline - 0.4) < 1e-9
 
 
 @examples()

@@ -47,21 +47,15 @@ def test_messages_are_these_bytes(message, data):
     assert SmartIfDecoder(TO_CONTROLLER if isinstance(message, Set) else FROM_CONTROLLER).feed(data) == [message]
 
 
+@pytest.mark.parametrize("parsers, kind", [(FROM_CONTROLLER, HEARD), (TO_CONTROLLER, SAID)])
 @examples()
-@given(st.lists(HEARD, max_size=6), st.lists(st.integers(0, 2000), max_size=8))
-def test_pieces_of_any_size_make_the_same_messages(messages, cuts):
-    decoder = SmartIfDecoder(FROM_CONTROLLER)
-    data = b"".join(encode(message) for message in messages)
-    assert [m for piece in pieces(data, cuts) for m in decoder.feed(piece)] == messages
+@given(st.data(), st.lists(st.integers(0, 2000), max_size=8))
+def test_pieces_of_any_size_make_the_same_messages(parsers, kind, data, cuts):
+    messages = data.draw(st.lists(kind, max_size=6))
+    decoder = SmartIfDecoder(parsers)
+    sent = b"".join(encode(message) for message in messages)
+    assert [m for piece in pieces(sent, cuts) for m in decoder.feed(piece)] == messages
     assert decoder.pending == 0
-
-
-@examples()
-@given(st.lists(SAID, max_size=6), st.lists(st.integers(0, 2000), max_size=8))
-def test_so_it_is_at_the_controllers_end(messages, cuts):
-    decoder = SmartIfDecoder(TO_CONTROLLER)
-    data = b"".join(encode(message) for message in messages)
-    assert [m for piece in pieces(data, cuts) for m in decoder.feed(piece)] == messages
 
 
 @examples()

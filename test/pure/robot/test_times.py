@@ -1,34 +1,22 @@
 """The times of a robot's messages, and the numbers behind acknowledgements."""
 
+import pytest
+
 from roah_rsbb.robot.link import MessageTimes, wire_time
 
 T0 = 1_800_000_000
 
 
-def _next_times(*clock):
-    times = MessageTimes()
-    return [times.next(utc)[0] for utc in clock]
-
-
-def test_a_time_is_seconds_and_nanoseconds_of_the_clock():
-    assert _next_times(T0 + 0.25) == [(T0, 250_000_000)]
+@pytest.mark.parametrize("clock, times", [
+    ([0.25], [(0, 250_000_000)]),
+    ([0, 0, 0], [(0, 0), (0, 1), (0, 2)]),  # a standing clock
+    ([10, 9.5, 9, 10.5], [(10, 0), (10, 1), (10, 2), (10, 500_000_000)]),  # a step back of up to a second
+    ([10, 8.75, 8.75], [(10, 0), (8, 750_000_000), (8, 750_000_001)]),  # one that is followed
+])
+def test_the_time_of_each_message_by_the_clock(clock, times):
+    found = MessageTimes()
+    assert [found.next(T0 + utc)[0] for utc in clock] == [(T0 + sec, nsec) for sec, nsec in times]
     assert wire_time(1.5) == (1, 500_000_000)
-
-
-def test_a_standing_clock_gives_times_that_increase_by_one_nanosecond():
-    assert _next_times(T0, T0, T0) == [(T0, 0), (T0, 1), (T0, 2)]
-
-
-def test_a_clock_that_steps_back_a_little_never_gives_an_earlier_time():
-    assert _next_times(T0 + 10, T0 + 9.5, T0 + 9, T0 + 10.5) == [
-        (T0 + 10, 0), (T0 + 10, 1), (T0 + 10, 2), (T0 + 10, 500_000_000)
-    ]
-
-
-def test_a_clock_set_back_by_more_than_a_second_is_followed():
-    assert _next_times(T0 + 10, T0 + 8.75, T0 + 8.75) == [
-        (T0 + 10, 0), (T0 + 8, 750_000_000), (T0 + 8, 750_000_001)
-    ]
 
 
 def test_numbers_are_known_by_their_exact_time():
