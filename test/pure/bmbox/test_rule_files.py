@@ -1,14 +1,67 @@
-"""Rules in a competition's folder: loaded by their name, with file and line of what is wrong."""
+"""All modules of the folder. An invalid file does not affect the others."""
 
 import os
+import sys
 
 import pytest
 
 from helpers.config_files import line_of
+from roah_rsbb import bmbox
+from roah_rsbb.bmbox.framework import rule_files
 from roah_rsbb.bmbox.framework.rehearsal import Rehearsal
-from roah_rsbb.bmbox.framework.rule_files import load_rules, own_files
+from roah_rsbb.bmbox.framework.rule_files import WatchedFile, load_rules, own_files
 from roah_rsbb.bmbox.host.host import Driven
-from roah_rsbb.rulebook.errors import ConfigErrors
+from roah_rsbb.rulebook.errors import ConfigErrors, Report
+from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind
+from roah_rsbb.rulebook.yaml_lines import Place
+
+MODULE = """
+from roah_rsbb.bmbox.framework.module import Module
+
+class {name}(Module):
+    CODE = "{code}"
+"""
+
+
+FUNCTIONALITY = {code for code, profile in PROFILES.items() if profile.kind is BenchmarkKind.FUNCTIONALITY}
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder whose files are modules, too."""
+    monkeypatch.setattr(bmbox, "__path__", [*bmbox.__path__, str(tmp_path)])
+    before = set(sys.modules)
+    yield tmp_path
+    for name in set(sys.modules) - before:
+        del sys.modules[name]
+
+
+def test_each_functionality_benchmark_has_one():
+    assert set(rule_files.modules()) == FUNCTIONALITY
+
+
+def test_a_new_file_is_enough(folder):
+    (folder / "new_one.py").write_text(MODULE.format(name="New", code="NEW"), encoding="utf-8")
+    assert rule_files.modules()["NEW"].__name__ == "New"
+
+
+@pytest.mark.parametrize(("text", "reason"), [
+    ("def broken(:\n", "invalid syntax"), ("import nonsense_that_is_not_there\n", "nonsense_that_is_not_there"),
+    ("raise RuntimeError('no rules')\n", "no rules"), (MODULE.format(name="Twin", code="STB"), "both define STB"),
+])
+def test_a_file_that_is_wrong_is_reported_and_left_out(folder, text, reason):
+    (folder / "zz_wrong.py").write_text(text, encoding="utf-8")
+    reported = []
+    assert set(rule_files.modules(reported.append)) == FUNCTIONALITY
+    assert len(reported) == 1
+    assert reported[0].startswith("zz_wrong.py cannot be used")
+    assert reason in reported[0]
+    assert "Traceback" in reported[0]
+    with pytest.raises((SyntaxError, ImportError, RuntimeError, ValueError)):
+        rule_files.modules()
+
+# -- rules in a competition's folder: loaded by their name, with file and line of what is wrong -------
+
 
 GOOD = """\
 import dataclasses
@@ -135,3 +188,64 @@ def test_rules_without_required_parameters_need_no_parameters_file(write, tmp_pa
     assert driven.problems() == []
     assert vars(driven.parameters()) == {}
     assert not os.path.exists(str(tmp_path / "FetchMug.yaml"))
+
+# -- files that are repaired while they are in use ----------------------------------------------------
+
+
+class Reader:
+    """Reads a file whose content must be a number."""
+
+    def __init__(self, path):
+        self.path = path
+        self.times = 0
+
+    def __call__(self):
+        self.times += 1
+        try:
+            return int(self.path.read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            report = Report()
+            report.error(Place(str(self.path), 1, 1), "nonsense", "a number")
+            report.raise_errors()
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "number"
+
+
+def watched(path):
+    read = Reader(path)
+    return WatchedFile(str(path), read), read
+
+
+def test_it_is_read_only_when_it_changed(path):
+    path.write_text("1", encoding="utf-8")
+    file, read = watched(path)
+    assert (file.content(), file.problems, read.times) == (1, [], 1)
+    assert not file.reload()
+    path.write_text("22", encoding="utf-8")
+    assert (file.content(), read.times) == (22, 2)
+    other = path.with_name("other")
+    other.write_text("33", encoding="utf-8")
+    os.utime(str(other), ns=(path.stat().st_atime_ns, path.stat().st_mtime_ns))
+    other.replace(path)  # as editors do; the same size, the same time
+    assert file.reload()
+    assert file.content() == 33
+
+
+def test_errors_are_reported_until_they_are_repaired(path):
+    file, read = watched(path)
+    assert len(file.problems) == 1
+    with pytest.raises(ConfigErrors, match="nonsense"):
+        file.content()
+    assert read.times == 1
+    path.write_text("x", encoding="utf-8")
+    assert file.reload()
+    assert "number:1: found nonsense; expected a number" in file.problems[0]
+    path.write_text("5", encoding="utf-8")
+    assert (file.content(), file.problems) == (5, [])
+    path.unlink()
+    with pytest.raises(ConfigErrors):
+        file.content()
+    assert len(file.problems) == 1
