@@ -11,9 +11,8 @@ from typing import Callable, Iterable, Mapping, NamedTuple, Optional, Tuple
 
 from roah_rsbb.box.driver import CoreDriver, Outputs, RunLogs
 from roah_rsbb.box.fence import Fence, end_superseded, running_s
-from roah_rsbb.box.journal import CoreJournal, competition, saved_state
+from roah_rsbb.box.journal import ChannelNotes, CoreJournal, Memory, NoMemory, StopNotes, competition, saved_state
 from roah_rsbb.box.standby_answers import StandbyAnswers
-from roah_rsbb.box.stops import ChannelNotes, Memory, NoMemory, StopNotes
 from roah_rsbb.comm.channels import MakePeer, Network, Seen
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.core.box import Box

@@ -8,7 +8,7 @@ import math
 from typing import Any, Dict, Mapping
 
 from roah_rsbb.box.assembly import CoreAssembly
-from roah_rsbb.box.box_door import BoxDoor
+from roah_rsbb.box.door import BoxDoor
 from roah_rsbb.core.copies import CopyReport
 from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, STOPPED, Call, Caller
 from roah_rsbb.model.reason import Refused, decode

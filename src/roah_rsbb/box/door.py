@@ -17,11 +17,15 @@ import concurrent.futures
 import hmac
 import json
 import logging
-from typing import Any, Callable, Deque, Dict, List, Mapping, Optional, Set, Union
+from typing import Any, Callable, Deque, Dict, List, Mapping, Optional, Sequence, Set, Tuple, Union
 
 from tornado import web
 
 from roah_rsbb.box.offers import Offers
+from roah_rsbb.client.places import new_token
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.views.document import Documents
+from roah_rsbb.core.views.public import NOTHING_ALLOWED, Publicity
 from roah_rsbb.document.calls import (
     HELPER,
     MAX_MESSAGE_BYTES,
@@ -36,6 +40,8 @@ from roah_rsbb.document.calls import (
 )
 from roah_rsbb.document.document import DocumentReader, Written
 from roah_rsbb.model.clock import Now
+from roah_rsbb.model.document import Document
+from roah_rsbb.model.results import UnsavedParts
 from roah_rsbb.web.limits import Places
 from roah_rsbb.web.serving import BoundedServer, BoundedSocket, bind, frame
 
@@ -53,6 +59,10 @@ MAX_THREADS = 64
 
 _log = logging.getLogger(__name__)
 _Asker = Union["_Client", "_Own"]
+# Seconds. Shortest time between what clients are sent: of events, because many robots change something in each; and of
+# calls, whose effect a referee waits for.
+GAP_S, CALLS_GAP_S = 0.05, 0.005
+SIGN_S = 0.5
 
 
 class _Request:
@@ -88,8 +98,9 @@ class Door:
         anything leaves: see `Fence.check`."""
         self.now, self.written, self.check = now, written, check
         self.loop = loop
-        self._token = token
-        self._calls = calls
+        self.token = token
+        """Whoever has it is let in."""
+        self._calls = dict(calls)
         self._offers = Offers(loop, lambda name: name in self._calls,
                               lambda client, message: client.send(self.now(), _dumped(message)))
         self._clients: Dict[str, Places[_Client]] = {
@@ -125,7 +136,7 @@ class Door:
         """Whether there is a client."""
         return any(len(places) for places in self._clients.values())
 
-    def publish(self) -> None:
+    def publish(self) -> object:
         """Send what has changed to all clients that have taken the message before. Call it after each event."""
         now = self.now()
         for client in self._all():
@@ -139,7 +150,7 @@ class Door:
 
     def is_allowed(self, given: str) -> bool:
         """Whether a header Authorization has the token."""
-        return hmac.compare_digest(given.encode(), f"Bearer {self._token}".encode())
+        return hmac.compare_digest(given.encode(), f"Bearer {self.token}".encode())
 
     def add(self, client: "_Client", face: str, address: str) -> None:
         """Give a client a place. Referees also take those of others."""
@@ -352,3 +363,100 @@ class _Client(BoundedSocket):
                 self.write_frames(b"".join(frame(one, self._deflates) for one in texts), self._door.loop.time())
         elif len(self._answers) > MAX_ANSWERS:
             self.end()
+
+
+class BoxDoor(Door):
+    """Keeps the document of a box current, besides. Call everything in the loop's thread."""
+
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, box: Box, uuid: str, host: str, now: Callable[[], Now],
+        log_files: Callable[[], Mapping[int, str]], unsaved: Callable[[], Sequence[UnsavedParts]],
+        calls: Mapping[str, Call], check: Callable[[], None], publicity: Publicity = NOTHING_ALLOWED,
+    ) -> None:
+        """`host`: broadcast address in use; `log_files`, `unsaved`: see `Documents.look`; `calls`, `check`: see `Door`;
+        `publicity`: what the public may see."""
+        super().__init__(loop, new_token(), {name: self._current(call) for name, call in calls.items()}, now,
+                         Written(Document), check)
+        self._log_files, self._unsaved = log_files, unsaved
+        self._documents = Documents(box, uuid, host, publicity)
+        self._box = box
+        self._seen: Optional[Tuple[int, int]] = None  # what the document was made of
+        self._soon: Optional[asyncio.TimerHandle] = None
+        self._sent_mono = float("-inf")
+        self.document = self._documents.last
+        self.is_old = False
+        """Whether the document may no longer be true, because of an error of this program."""
+        self.on_news: Callable[[], object] = lambda: None
+        """Called when the document, or whether it is old, has changed."""
+        self._said: Tuple[int, bool] = 0, False  # of `on_news`: number, is old
+
+    def open(self, host: str, port: int = 0) -> int:
+        """See `Door`."""
+        bound = super().open(host, port)
+        self._sign()
+        return bound
+
+    def add_calls(self, calls: Mapping[str, Call]) -> None:
+        """Let clients make further calls, which change nothing of the box."""
+        self._calls.update(calls)
+
+    def changed(self) -> None:
+        """Note that an event changed something: clients are sent it soon."""
+        self._publish_within(GAP_S)
+
+    def called(self) -> None:
+        """Note that a referee has made a call, whose effect others wait for."""
+        self._publish_within(CALLS_GAP_S)
+
+    def _publish_within(self, gap_s: float) -> None:
+        due = max(self.loop.time(), self._sent_mono + gap_s)
+        if self._soon is None or due < self._soon.when():
+            if self._soon is not None:
+                self._soon.cancel()
+            self._soon = self.loop.call_at(due, self.publish)
+
+    def publish(self) -> Document:
+        """Send clients what has changed; returns the document. What only time changes is looked at once a second."""
+        if self._soon is not None:
+            self._soon.cancel()
+        self._soon, self._sent_mono = None, self.loop.time()
+        now = self.now()  # of the box, which in a replay is that of the run
+        seen = self._box.happenings, int(now.mono)
+        if seen != self._seen:
+            self._seen = seen
+            self._look(now)
+        super().publish()
+        if (self.written.number, self.is_old) != self._said:
+            self._said = self.written.number, self.is_old
+            self.on_news()
+        return self.document
+
+    def _look(self, now: Now) -> None:
+        """Make the document again. If that fails, which is an error of this program, clients see that it is old."""
+        try:
+            self.document = self._documents.look(now, self._log_files(), self._unsaved())
+            self.written.update(self.document, now)
+            self.is_old = False
+            fault = self._documents.fault
+            if fault is not None:
+                self.report_bug(f"the public sees nothing new ({fault!r})", fault)
+        except Exception as error:
+            self.is_old = True
+            self.report_bug(str(error), error)
+
+    def _current(self, call: Call) -> Call:
+        """Return a call after which the document contains what it did."""
+        def carried_out(arguments: Mapping[str, Any], caller: Caller) -> Any:
+            try:
+                return call(arguments, caller)
+            finally:
+                self._look(self.now())
+                self.called()
+
+        return carried_out
+
+    def _sign(self) -> None:
+        self.loop.call_later(SIGN_S, self._sign)
+        self.publish()
+        if not self.is_old:
+            self.sign()

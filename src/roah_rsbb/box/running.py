@@ -17,13 +17,12 @@ import uuid
 from typing import Callable, List, NamedTuple, Optional, Sequence
 
 from roah_rsbb.box.assembly import BoxPlace, CoreAssembly, Machine
-from roah_rsbb.box.box_door import BoxDoor
 from roah_rsbb.box.calls import BoxCalls, Disks
-from roah_rsbb.box.configuration import Configuration, Content
+from roah_rsbb.box.configuration import Configuration, Content, Reloads
 from roah_rsbb.box.copy_calls import CopyCalls
+from roah_rsbb.box.door import BoxDoor
 from roah_rsbb.box.driver import Outputs
 from roah_rsbb.box.parameters import BoxParameters
-from roah_rsbb.box.reload import Reloads
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.complaints import OnceASecond
 from roah_rsbb.comm.peer import Peer

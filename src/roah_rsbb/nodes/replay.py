@@ -15,8 +15,8 @@ from typing import Any, Callable, List
 import rosgraph
 import rospy
 
-from roah_rsbb.box.box_door import BoxDoor
 from roah_rsbb.box.calls import BoxCalls
+from roah_rsbb.box.door import BoxDoor
 from roah_rsbb.client.places import NotFound, read_place, write_place
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.ground.arguments import Parser, number
@@ -135,7 +135,7 @@ class ReplayNode:
         self._has_begun = self._has_begun or self._door.is_followed or self._topics.are_wanted
         if not self._has_begun:
             passed_s = 0.0
-        self._door.rate = self._speed if self._has_begun and not self._shown.is_over else 0.0
+        self._door.written.rate = self._speed if self._has_begun and not self._shown.is_over else 0.0
         try:
             self._shown.show(self._shown.now.utc + passed_s * self._speed)
             core = live_core(REPLAY, QUICK_ANSWER_S, False) if self._ticks % CORE_EVERY == CORE_EVERY - 1 else None

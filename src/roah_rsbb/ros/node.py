@@ -26,7 +26,6 @@ Settings are ROS parameters, of the node or given as _name:=value. The launch fi
 """
 T = TypeVar("T")
 END_TASKS_S = 1.0
-T = TypeVar("T")
 
 
 def explain(doc: str, settings: str = _SETTINGS) -> None:

@@ -5,7 +5,7 @@ import asyncio
 import pytest
 
 from helpers.box_driver import BoxDriver
-from roah_rsbb.box.box_door import BoxDoor
+from roah_rsbb.box.door import BoxDoor
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.protocol import RobotState
 

@@ -6,7 +6,7 @@ import shutil
 import pytest
 
 from helpers.config_files import SHIPPED
-from roah_rsbb.box import reload
+from roah_rsbb.box import configuration
 from roah_rsbb.box.configuration import EDITED, Configuration
 from roah_rsbb.journal.log_dir import CONFIGURATION, read_in_force
 from roah_rsbb.rulebook.errors import ConfigErrors
@@ -85,10 +85,10 @@ def test_a_file_that_is_a_pipe_stops_no_reload(competition, name):
 
 
 def test_a_reload_does_not_wait_for_one_whose_disk_hangs(competition, monkeypatch):
-    monkeypatch.setattr(reload, "WAIT_S", 0.0)
-    reloads = reload.Reloads(None, competition.core(), None, None, None)
+    monkeypatch.setattr(configuration, "WAIT_S", 0.0)
+    reloads = configuration.Reloads(None, competition.core(), None, None, None)
     with reloads._lock:
-        assert reloads.reload("", "Ann").errors == [reload.BUSY]
+        assert reloads.reload("", "Ann").errors == [configuration.BUSY]
 
 
 @pytest.mark.parametrize(("old", "new"), [

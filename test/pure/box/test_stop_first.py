@@ -13,7 +13,7 @@ import pytest
 from helpers.commands import given_with
 from helpers.competition import competition, event
 from roah_rsbb.box.calls import BoxCalls, Disks
-from roah_rsbb.box.stops import MOST_WHO, PREFIX, NoMemory, StopNotes, unrecorded
+from roah_rsbb.box.journal import MOST_WHO, PREFIX, NoMemory, StopNotes, unrecorded
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.runs.run import UnrecordedStop
 from roah_rsbb.core.views.document import END_UNSAVED, Documents

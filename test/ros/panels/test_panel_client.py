@@ -33,7 +33,7 @@ from support.gui_testing import (
 )
 from support.panel_case import CoreCase
 
-from roah_rsbb.box.reload import Reloaded
+from roah_rsbb.box.configuration import Reloaded
 from roah_rsbb.document.calls import Caller
 from roah_rsbb.model.document import REPLAY as PREFIX
 from roah_rsbb.rqt import calls, windows

@@ -6,8 +6,8 @@ import pathlib
 import threading
 from typing import Any, Callable, List
 
-from roah_rsbb.box.in_process_client import InProcessClient
 from roah_rsbb.box.program.demo import settings
+from roah_rsbb.box.program.parts import InProcessClient
 from roah_rsbb.box.program.program import BoxProgram
 from roah_rsbb.comm.memory import MemoryAir
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST

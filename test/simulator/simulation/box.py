@@ -48,7 +48,7 @@ class RunLogs:
 
 
 class Memory:
-    """What a supervisor keeps for its cores: see `roah_rsbb.box.stops.Memory`."""
+    """What a supervisor keeps for its cores: see `roah_rsbb.box.journal.Memory`."""
 
     def __init__(self):
         self.texts, self.kept = {}, {}

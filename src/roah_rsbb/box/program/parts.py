@@ -4,12 +4,14 @@ import asyncio
 import concurrent.futures
 import logging
 import threading
+import time
 from typing import Any, Callable, List, Mapping, Optional, Sequence, Union
 
 from roah_rsbb.bmbox.host.host import chosen_benchmarks
-from roah_rsbb.box.in_process_client import InProcessClient
+from roah_rsbb.box.door import BoxDoor
 from roah_rsbb.box.program.modules_process import ModulesProcess, modules_command
 from roah_rsbb.box.running import RunningBox
+from roah_rsbb.client.client import TIMEOUT_S, UNANSWERED, Answer, Done, answer_of
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.sockets import source_host
@@ -23,6 +25,9 @@ from roah_rsbb.ground.linux import end_loop
 from roah_rsbb.ground.loop import call_in_loop
 from roah_rsbb.ground.params import Params
 from roah_rsbb.ground.signs_of_life import WEB_PORT
+from roah_rsbb.model.actions import STOP
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.document import Document
 from roah_rsbb.model.modules import ModulesState
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.tablet.server import TabletPage
@@ -171,6 +176,68 @@ class ControlledDevices:
         """Disconnect."""
         if self.home is not None:
             self.home.close()
+
+
+class InProcessClient:
+    """What `Client` is over the door, without a connection: the document is that of the box, and nothing is written or
+    read. Any thread may use it."""
+
+    why = ""
+    """Why there is no connection: there always is one."""
+
+    def __init__(self, door: BoxDoor, box_loop: asyncio.AbstractEventLoop, loop: asyncio.AbstractEventLoop,
+                 on_change: Callable[[], object], face: str) -> None:
+        """`box_loop`: the loop of the box. `on_change` is called in `loop` when the document has changed, or whether it
+        is old. `face`: see `Client`."""
+        self._door, self._box_loop, self._loop = door, box_loop, loop
+        self._on_change, self._caller = on_change, Caller(face, "this process")
+
+    def start(self) -> None:
+        """Begin to follow the document."""
+        self._door.on_news = lambda: self._loop.call_soon_threadsafe(self._on_change)
+
+    def close(self) -> None:
+        """Follow it no more."""
+        self._door.on_news = lambda: None
+
+    @property
+    def document(self) -> Optional[Document]:
+        """The document, which is never changed but replaced."""
+        return self._door.document
+
+    @property
+    def is_old(self) -> bool:
+        """Whether the document may no longer be true."""
+        return self._door.is_old
+
+    @staticmethod
+    def now() -> Now:
+        """Return the box's clocks, which are those of this process."""
+        return Now(time.monotonic(), time.time())
+
+    def call(self, name: str, done: Optional[Done] = None, **arguments: Any) -> "concurrent.futures.Future[Answer]":
+        """Make a call. `done` is called in the box's loop with the answer, for which it waits `TIMEOUT_S`."""
+        future: concurrent.futures.Future[Answer] = concurrent.futures.Future()
+        future.set_running_or_notify_cancel()
+        if done is not None:
+            future.add_done_callback(lambda ended: done(ended.result()))
+        self._box_loop.call_soon_threadsafe(self._ask, name, arguments, future)
+        return future
+
+    def stop(self, zone: str, run: str, done: Optional[Done] = None,
+             **arguments: Any) -> "concurrent.futures.Future[Answer]":
+        """Stop a run, before all calls that wait for their turn; see `Client.stop`."""
+        return self.call(STOP, done, zone=zone, run=run, **arguments)
+
+    def _ask(self, name: str, arguments: Any, future: "concurrent.futures.Future[Answer]") -> None:
+        def end(answer: Answer) -> None:
+            late.cancel()
+            if not future.done():
+                future.set_result(answer)
+
+        late = self._box_loop.call_later(TIMEOUT_S, end, UNANSWERED)
+        self._door.ask(name, arguments, self._caller).add_done_callback(
+            lambda asked: end(UNANSWERED if asked.cancelled() else answer_of(asked.result())))
 
 
 class WebParts:

@@ -11,10 +11,10 @@ from types import SimpleNamespace
 import pytest
 
 from helpers.waiting import LIMIT_S, News
-from roah_rsbb.box.in_process_client import InProcessClient
 from roah_rsbb.box.program import program
 from roah_rsbb.box.program.demo import settings
 from roah_rsbb.box.program.main import serve
+from roah_rsbb.box.program.parts import InProcessClient
 from roah_rsbb.box.program.program import BoxProgram, door_file
 from roah_rsbb.client.places import OWN_VARIABLE, read_place, write_place
 from roah_rsbb.comm.memory import MemoryAir
