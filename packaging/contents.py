@@ -28,13 +28,12 @@ CONTENTS: Dict[str, Tuple[str, ...]] = {
     # A box without ROS.
     "box": (
         "roah_rsbb/box/", "roah_rsbb/client/", "roah_rsbb/copies/", "roah_rsbb/devices/", "roah_rsbb/referee/",
-        "roah_rsbb/standby/", "roah_rsbb/tablet/", "roah_rsbb/tools/competition/", "roah_rsbb/tools/interfaces.py",
-        "roah_rsbb/tools/launched.py", "roah_rsbb/tools/open_ports.py", "roah_rsbb/tools/preflight.py",
-        "roah_rsbb/tools/preflight_checks.py", "roah_rsbb/tools/preflight_venue.py", "roah_rsbb/web/", "README.md",
-        "config/", "docs/", "launch/roah_rsbb.launch", "resource/"),
+        "roah_rsbb/standby/", "roah_rsbb/tablet/", "roah_rsbb/tools/", "roah_rsbb/web/", "README.md", "config/", "docs/",
+        "launch/roah_rsbb.launch", "resource/"),
     # A box with ROS.
     "ros": (
-        "roah_rsbb/", "roah_rsbb/nodes/team/dummy_robots.py", "launch/", "plugin.xml",
+        "roah_rsbb/", "roah_rsbb/nodes/team/dummy_robots.py", "roah_rsbb/tools/demo.py", "roah_rsbb/tools/reconnect.py",
+        "launch/", "plugin.xml",
         "etc/roah-rsbb/", "usr/share/applications/", "changelog", "copyright"),
 }
 # What a package needs besides, in the same version. A box with ROS needs all.

@@ -23,10 +23,9 @@ from roah_rsbb.model.reason import Refused
 from roah_rsbb.rulebook import config, event_ids
 from roah_rsbb.rulebook.benchmarks import Config, ZonePlan
 from roah_rsbb.rulebook.changes import changes, warnings
-from roah_rsbb.rulebook.errors import ConfigErrors
+from roah_rsbb.rulebook.errors import CannotRead, ConfigErrors, known, read_bytes
 from roah_rsbb.rulebook.event_ids import EventKey
 from roah_rsbb.rulebook.standing_rules import StandingRules, read_rules
-from roah_rsbb.rulebook.text_files import CannotRead, known, read_bytes
 
 # The places of the schedule and of the passwords among the files.
 _SCHEDULE, _PASSWORDS = 1, 2

@@ -13,8 +13,7 @@ from typing import Container, Dict, List, Sequence, Set
 
 from roah_rsbb.ground.installed import shipped_file
 from roah_rsbb.ground.params import BadParams, Params
-from roah_rsbb.rulebook.errors import Report
-from roah_rsbb.rulebook.launch_file import LaunchArgument, arguments
+from roah_rsbb.rulebook.errors import LaunchArgument, Report, arguments
 from roah_rsbb.wording.texts import did_you_mean
 
 LAUNCH = "competition.launch"

@@ -272,3 +272,15 @@ def _address(asking: socket.socket, name: str, what: int) -> str:
     except OSError:
         return ""
     return socket.inet_ntoa(answer[20:24])
+
+
+def end_launch(launch: "subprocess.Popen[Any]", limit_s: float) -> None:
+    """Ask a roslaunch, which has a session of its own, to end its nodes, as Ctrl-C does, and wait. After `limit_s`
+    seconds, kill it and its nodes."""
+    with contextlib.suppress(ProcessLookupError):
+        launch.send_signal(signal.SIGINT)
+    try:
+        launch.wait(limit_s)
+    except subprocess.TimeoutExpired:
+        os.killpg(launch.pid, signal.SIGKILL)
+        launch.wait()

@@ -30,7 +30,7 @@ from roah_rsbb.results.runs import (
 )
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import Config
-from roah_rsbb.rulebook.text_files import known
+from roah_rsbb.rulebook.errors import known
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.texts import one_line
 

@@ -13,8 +13,7 @@ from typing import Dict, List, NamedTuple, NoReturn, Optional, Tuple
 
 import yaml
 
-from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, line_list, quote
-from roah_rsbb.rulebook.text_files import CannotRead, read_text
+from roah_rsbb.rulebook.errors import CannotRead, ConfigErrors, Place, Report, line_list, quote, read_text
 
 # Configuration files are at most seven levels deep.
 MAX_DEPTH = 20

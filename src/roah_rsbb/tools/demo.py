@@ -14,7 +14,6 @@ from typing import Dict, Iterator, List
 
 from roah_rsbb.ground import linux
 from roah_rsbb.ground.arguments import Parser
-from roah_rsbb.tools import launched
 
 ZONE = "Testing TestingTeam"
 # For each benchmark, further options of the scripted referee.
@@ -75,7 +74,7 @@ def _launched(command: List[str], environment: Dict[str, str]) -> Iterator[None]
         try:
             yield
         finally:
-            launched.end(launch, STOP_S)
+            linux.end_launch(launch, STOP_S)
 
 
 def _last_lines() -> str:

@@ -16,10 +16,9 @@ from roah_rsbb.devices.sounds import BELL, TIMEOUT, command_of
 from roah_rsbb.ground.arguments import Parser, called, is_without_ros, number
 from roah_rsbb.ground.params import BadParams
 from roah_rsbb.tools import preflight_checks as checks
-from roah_rsbb.tools import preflight_venue as venue
+from roah_rsbb.tools import preflight_checks as venue
 from roah_rsbb.tools.competition.files import FIREWALL
-from roah_rsbb.tools.interfaces import interfaces
-from roah_rsbb.tools.open_ports import listeners
+from roah_rsbb.tools.ports import interfaces, listeners
 from roah_rsbb.tools.preflight_checks import Remark, Severity
 from roah_rsbb.web.serving import LOOPBACK
 

@@ -1,7 +1,7 @@
 """The checks before a competition. Each gives a line for what it found, with the remedy.
 
-A check returns its findings and raises nothing. `roah_rsbb.tools.preflight` is the program. `check_exposure` and
-`check_clock` are for Linux only.
+A check returns its findings and raises nothing. `roah_rsbb.tools.preflight` is the program. Those of what a venue has
+besides its network (motion capture, home devices, the tablet's page) look only at what the schedule needs.
 """
 
 import asyncio
@@ -10,21 +10,27 @@ import enum
 import errno
 import os
 import shutil
+import socket
 import subprocess
 import tempfile
-from typing import Callable, Dict, List, NamedTuple, Optional
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb.bmbox.framework.ground_truth import Source
+from roah_rsbb.bmbox.framework.rule_files import file_in, load_rules, modules, own_files
+from roah_rsbb.bmbox.host.ground_truth_of_frames import FILE_NAME, FrameState, GroundTruthConfig, NoFrames, load
 from roah_rsbb.client.places import OWN_VARIABLE, is_answering
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.channels import Network, PublicChannel
+from roah_rsbb.core.copies import NO_PORT
 from roah_rsbb.ground.arguments import is_without_ros
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.rulebook import config
-from roah_rsbb.rulebook.benchmarks import Config
-from roah_rsbb.tools.competition import firewall
+from roah_rsbb.rulebook.benchmarks import Config, Durable
+from roah_rsbb.rulebook.errors import ConfigErrors
+from roah_rsbb.rulebook.registry import BELL, DEVICES, TABLET, BenchmarkKind
+from roah_rsbb.tools.competition import files
 from roah_rsbb.tools.competition.check import module_errors, scheduled_modules, warnings_of_days
-from roah_rsbb.tools.interfaces import Interface
-from roah_rsbb.tools.open_ports import Listener, command_that_shows, open_to
+from roah_rsbb.tools.ports import Interface, Listener, command_that_shows, open_to
 
 # GiB. The run logs of a competition take megabytes. Below the first value, warn; below the second, the disk will fill.
 ENOUGH_BYTES = 2 * 1024**3
@@ -72,7 +78,7 @@ def list_firewall() -> Optional[str]:
     """Return the loaded firewall table as nft prints it; "": it is not loaded; None: this user may not see it."""
     for nft in ("nft", "/usr/sbin/nft"):
         try:
-            asked = subprocess.run([nft, "list", "table", "inet", firewall.TABLE], capture_output=True, timeout=10,
+            asked = subprocess.run([nft, "list", "table", "inet", files.TABLE], capture_output=True, timeout=10,
                                    check=False)
         except (OSError, subprocess.TimeoutExpired):
             continue
@@ -92,15 +98,15 @@ def check_exposure(
     interface = next((i for i in found if i.broadcast == rsbb_host and not i.address.startswith("127.")), None)
     if interface is None:
         return []
-    if loaded and interface.name in firewall.loaded_for(loaded):
+    if loaded and interface.name in files.loaded_for(loaded):
         return [Remark(Severity.OK, f"the firewall is loaded: {interface.name} reaches only the box's ports")]
     remedy = f"load the firewall: sudo nft -f {file}"
     if loaded:
         return [Remark(Severity.WARNING, f"the firewall is loaded, but not for {interface.name}",
                        f"write that name into {file}, and load the file again: sudo nft -f {file}")]
     if loaded is None:
-        remedy += f", or check whether it is loaded: sudo nft list table inet {firewall.TABLE}"
-    reached = [port for port in open_to(listening, interface.address) if port.port != firewall.TABLET_PORT]
+        remedy += f", or check whether it is loaded: sudo nft list table inet {files.TABLE}"
+    reached = [port for port in open_to(listening, interface.address) if port.port != files.TABLET_PORT]
     shown = ", ".join(map(str, reached[:MAX_SHOWN])) + (", …" if len(reached) > MAX_SHOWN else "")
     text = f"robots' network on {interface.name}: the box's firewall was not found there"
     if not is_without_ros():
@@ -278,3 +284,139 @@ def check_display(there_is_one: bool) -> Remark:
         return Remark(Severity.OK, "windows can be opened here")
     return Remark(Severity.WARNING, "no window can be opened here", "log in at a desktop, or let referees use other "
                   "computers (roah_rsbb_client.launch) or a terminal (rosrun roah_rsbb referee)")
+
+
+CONNECT_S = 3.0
+
+# Returns the state of all markers; None: there is no ROS master.
+Look = Callable[[GroundTruthConfig], Optional[Sequence[FrameState]]]
+
+
+def loaded_config(files: Dict[str, str]) -> Optional[Config]:
+    """Return the configuration; None: it has errors, which another check reports."""
+    try:
+        return config.load(files["benchmarks_file"], files["schedule_file"], files["passwords_file"])[0]
+    except ConfigErrors:
+        return None
+
+
+def _needing(loaded: Config, *uses: str) -> List[str]:
+    """Return the codes of the scheduled benchmarks that use one of these."""
+    found = {event.benchmark for zone in loaded.zones for event in zone.events}
+    return sorted(benchmark.code for benchmark in found if benchmark.profile.uses.intersection(uses))
+
+
+def check_tablet_port(loaded: Config, host: str, port: int) -> List[Remark]:
+    """Check that the tablet's page can be served, if a benchmark needs it."""
+    codes = _needing(loaded, TABLET)
+    if not codes:
+        return []
+    return [_check_tcp_port(host, port, "the tablet's page", "tablet_port", Severity.FAILED,
+                            f". The page is for {', '.join(codes)}")]
+
+
+def check_web_port(host: str, port: int) -> Remark:
+    """Check that the web pages can be served. With ROS, there are panels, and runs do not need the pages."""
+    level = Severity.FAILED if is_without_ros() else Severity.WARNING
+    return _check_tcp_port(host, port, "the web pages", "web_port", level, "")
+
+
+def _check_tcp_port(host: str, port: int, what: str, parameter: str, level: Severity, purpose: str) -> Remark:
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as trial:
+        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            trial.bind((host, port))
+        except OSError as error:
+            in_use = f"end the program that uses it ('{command_that_shows('tcp', port)}' shows it), or "
+            return Remark(level, f"TCP port {port} of {what} cannot be used: {os.strerror(error.errno or 0)}",
+                          f"{in_use if error.errno == errno.EADDRINUSE else ''}choose another {parameter}{purpose}")
+    return Remark(Severity.OK, f"TCP port {port} of {what} is free")
+
+
+def check_standby(loaded: Config, port: int) -> List[Remark]:
+    """Check that the box will start: with `durable: two`, it needs a port for a standby."""
+    if loaded.durable is not Durable.TWO or port:
+        return []
+    text, _, remedy = NO_PORT.format(place=loaded.durable_at).rpartition(": ")
+    return [Remark(Severity.FAILED, f"the box will not start. {text}", remedy)]
+
+
+def check_devices(loaded: Config, host: str, port: int) -> List[Remark]:
+    """Check that the controller of the home devices can be reached, if a benchmark needs it. `host`: empty: the box
+    does not control them."""
+    codes = _needing(loaded, DEVICES, BELL)
+    if not codes:
+        return []
+    if not host:
+        return [Remark(Severity.WARNING, f"the home devices are off, and {', '.join(codes)} may need them",
+                       "start the box with devices:=true smartif_host:=ADDRESS of their controller")]
+    try:
+        socket.create_connection((host, port), CONNECT_S).close()
+    except OSError as error:
+        why = error.strerror or str(error) or "no answer"
+        return [Remark(Severity.FAILED, f"the SmartIF controller at {host}:{port} cannot be reached: {why}",
+                       f"switch it on, check its cable and smartif_host. The home devices are for {', '.join(codes)}")]
+    return [Remark(Severity.OK, f"the SmartIF controller at {host}:{port} can be reached")]
+
+
+def check_ground_truth(loaded: Config, modules_dir: str, look: Optional[Look]) -> List[Remark]:
+    """Check that the motion-capture system sees the markers that the scheduled benchmarks need. `look`: None: without
+    ROS nobody can look."""
+    found: List[Remark] = []
+    for path, subjects in _subjects_by_file(loaded, modules_dir).items():
+        try:
+            truth = load(path)
+        except ConfigErrors:
+            continue  # another check reports the errors
+        if truth.source is not Source.MOTION_CAPTURE:
+            who = "the referee enters all poses" if truth.source is Source.REFEREE else "poses are not scored"
+            found.append(Remark(Severity.OK, f"no motion capture in {path}: {who}"))
+            continue
+        if look is None:
+            found.append(_not_seen(path))
+            continue
+        states = look(truth)
+        if states is None:
+            found.append(Remark(Severity.WARNING, f"the markers of {path} were not checked: no ROS master",
+                                "start roscore and the motion capture, then: rosrun roah_rsbb check_ground_truth "
+                                + path))
+            continue
+        missing = [s for s in states if s.subject in subjects and s.pose is None]
+        found += [Remark(Severity.WARNING, f"marker not seen: {state.trouble}", f"its frame is in {path}")
+                  for state in missing]
+        if not missing:
+            found.append(Remark(Severity.OK, f"the motion capture sees all markers of {path}"))
+    return found
+
+
+def _not_seen(path: str) -> Remark:
+    if is_without_ros():
+        return Remark(Severity.WARNING, f"a box without ROS sees no markers of {path}", NoFrames.REMEDY_MARKER)
+    return Remark(Severity.WARNING, f"the markers of {path} were not checked: only ROS can see them",
+                  "run 'rosrun roah_rsbb preflight' on a computer with ROS")
+
+
+def _subjects_by_file(loaded: Config, modules_dir: str) -> Dict[str, Tuple[str, ...]]:
+    """Return the files with the ground truth of the scheduled benchmarks, each with the needed subjects."""
+    found: Dict[str, Tuple[str, ...]] = {}
+    subjects: Dict[str, Tuple[str, ...]] = {}
+    for zone in loaded.zones:
+        for benchmark in {event.benchmark for event in zone.events}:
+            if benchmark.kind is BenchmarkKind.FUNCTIONALITY:
+                if benchmark.code not in subjects:
+                    subjects[benchmark.code] = _subjects(modules_dir, benchmark.code)
+                needed = subjects[benchmark.code]
+                if needed:
+                    path = file_in(modules_dir, zone.name, FILE_NAME)
+                    found[path] = tuple(dict.fromkeys((*found.get(path, ()), *needed)))
+    return {path: found[path] for path in sorted(found, key=lambda path: (os.path.dirname(path), path))}
+
+
+def _subjects(modules_dir: str, code: str) -> Tuple[str, ...]:
+    """Return whose poses the rules of a benchmark need; none if the rules have errors."""
+    own = own_files(modules_dir)
+    try:
+        kind = load_rules(own[code]) if code in own else modules().get(code)
+    except ConfigErrors:
+        return ()
+    return () if kind is None else tuple(kind.SUBJECTS)

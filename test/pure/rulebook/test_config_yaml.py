@@ -5,7 +5,7 @@ import os
 import pytest
 
 from helpers.config_files import TEXTS, changed, line_of
-from roah_rsbb.rulebook import config, text_files
+from roah_rsbb.rulebook import config, errors
 from roah_rsbb.rulebook.errors import MAX_ERRORS
 
 SYNTAX = [
@@ -175,8 +175,8 @@ def test_files_that_cannot_be_read(files, monkeypatch):
 
 @pytest.mark.long
 def test_a_file_that_is_too_large(files):
-    assert files.errors(benchmarks="#" * text_files.MAX_BYTES)[0][2].startswith("found nothing but comments")
-    name, line, message = files.error(benchmarks="#" * (text_files.MAX_BYTES + 1))
+    assert files.errors(benchmarks="#" * errors.MAX_BYTES)[0][2].startswith("found nothing but comments")
+    name, line, message = files.error(benchmarks="#" * (errors.MAX_BYTES + 1))
     assert (name, line) == ("benchmarks", 0)
     assert "more than 1000 kB" in message
 

@@ -1,7 +1,6 @@
 """Launch files, read as data."""
 
-from roah_rsbb.rulebook.errors import Report
-from roah_rsbb.rulebook.launch_file import LaunchArgument, arguments, elements
+from roah_rsbb.rulebook.errors import LaunchArgument, Report, arguments, elements
 
 
 def test_arguments_with_a_default(tmp_path):

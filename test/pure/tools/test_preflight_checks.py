@@ -18,9 +18,8 @@ from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
 from roah_rsbb.model.messages import Beacon, DevicesState, TabletState
 from roah_rsbb.radio import wire_convert
 from roah_rsbb.tools import preflight_checks as checks
-from roah_rsbb.tools.competition.firewall import firewall_text
-from roah_rsbb.tools.interfaces import Interface, interfaces
-from roah_rsbb.tools.open_ports import Listener, listeners, open_to
+from roah_rsbb.tools.competition.files import firewall_text
+from roah_rsbb.tools.ports import Interface, Listener, interfaces, listeners, open_to
 from roah_rsbb.tools.preflight_checks import Severity
 
 LO = Interface("lo", "127.0.0.1", LOOPBACK_BROADCAST)

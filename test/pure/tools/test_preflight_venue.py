@@ -11,7 +11,7 @@ from roah_rsbb.bmbox.framework.ground_truth import Pose3
 from roah_rsbb.bmbox.host.ground_truth_of_frames import FrameState
 from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.rulebook.errors import Place
-from roah_rsbb.tools import preflight_venue as venue
+from roah_rsbb.tools import preflight_checks as venue
 from roah_rsbb.tools.preflight_checks import Severity
 
 HOST = "127.0.77.2"

@@ -17,9 +17,8 @@ from roah_rsbb import bmbox
 from roah_rsbb.bmbox.framework.module import Module
 from roah_rsbb.bmbox.framework.parameters import Parameter
 from roah_rsbb.bmbox.framework.score import Value
-from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, quote
+from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, quote, read_text
 from roah_rsbb.rulebook.registry import CODE
-from roah_rsbb.rulebook.text_files import read_text
 
 # -- the rules of the package -------------------------------------------------------------------------
 

@@ -15,7 +15,7 @@ from roah_rsbb.model import run_log
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results import lists
 from roah_rsbb.results.runs import NotPossible, RunHead, RunResult, find, find_record, heads, records, run_result
-from roah_rsbb.rulebook import config, text_files
+from roah_rsbb.rulebook import config, errors
 from roah_rsbb.rulebook.benchmarks import NO_RULES, Benchmark, CountingAttempt
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.standing_rules import OfRuns, StandingRules, read_rules
@@ -61,7 +61,7 @@ def files_of(options: argparse.Namespace) -> Iterator[None]:
         kept.setdefault("standings", "{}")  # the box ranked without rules
     options.kept = {_kept_path(options, f"{name}.yaml"): text for name, text in kept.items()}
     options.has_files = any(map(os.path.exists, (_beside(options, name) for name in (BENCHMARKS_FILE, SCHEDULE_FILE))))
-    with text_files.known(options.kept):
+    with errors.known(options.kept):
         times.use_zone(config.settings_in(_found(options, SCHEDULE_FILE)).time_zone)
         yield
 

@@ -14,9 +14,9 @@ from typing import Any, Callable, List, Optional, Sequence
 from xml.parsers.expat import ExpatError
 
 from roah_rsbb.client.places import MASTER_URI
+from roah_rsbb.ground import linux
 from roah_rsbb.ground.arguments import is_without_ros
 from roah_rsbb.standby.program.guard import guarded
-from roah_rsbb.tools import launched
 
 LOOK_S = 1.0
 # What starts the core alone, and then the rest.
@@ -49,7 +49,7 @@ class Prepared:
         """End it."""
         self._ended.set()
         if self._process is not None:
-            launched.end(self._process, END_S)
+            linux.end_launch(self._process, END_S)
         self._thread.join()
 
     def run(self) -> int:
@@ -64,7 +64,7 @@ class Prepared:
             threading.Thread(target=lambda process=process: (process.wait(), over.set()), daemon=True).start()
         over.wait()
         for process in parts:
-            launched.end(process, END_S)
+            linux.end_launch(process, END_S)
         return self._process.returncode
 
     def _work(self) -> None:
@@ -77,7 +77,7 @@ class Prepared:
                 self._command, self._process = command, _start(
                     self._folder, command if is_without_ros() else [*command, CORE_PART])
                 if self._ended.is_set():
-                    launched.end(self._process, END_S)
+                    linux.end_launch(self._process, END_S)
                 # It gets a signal when the thread that started it ends.
                 self._process.wait()
                 if not self._ended.is_set():

@@ -18,7 +18,7 @@ from roah_rsbb.journal.log import names_in
 from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.rulebook.benchmarks import Durable
 from roah_rsbb.rulebook.config import ScheduleSettings, settings_in
-from roah_rsbb.rulebook.text_files import known
+from roah_rsbb.rulebook.errors import known
 from roah_rsbb.standby.beside_copy import unpack
 from roah_rsbb.standby.channel import MODULES, NETWORK, PASSWORDS
 from roah_rsbb.standby.pair import hashed, rejoin_key

@@ -19,7 +19,7 @@ from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from roah_rsbb.ground import durable
 from roah_rsbb.rulebook.errors import Place, Report, quote
-from roah_rsbb.tools.interfaces import interfaces
+from roah_rsbb.tools.ports import interfaces
 
 CERTIFICATE, KEY, AUTHORITY = "web_cert.pem", "web_key.pem", "phones.crt"
 # iPhones accept at most 825 days.

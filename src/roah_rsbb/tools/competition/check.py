@@ -9,8 +9,7 @@ from roah_rsbb.bmbox.framework.rule_files import file_in, load_rules, modules, o
 from roah_rsbb.bmbox.host import ground_truth_of_frames
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, Durable, ScheduledEvent
-from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, listing, quote
-from roah_rsbb.rulebook.launch_file import arguments, elements
+from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, arguments, elements, listing, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.rulebook.standing_rules import read_rules
 from roah_rsbb.tools.competition import files

@@ -23,13 +23,14 @@ from roah_rsbb.tools.competition import answers, certificate, files, rulebooks
 from roah_rsbb.tools.competition.answers import Missing, known_answers, questions
 from roah_rsbb.tools.competition.check import check
 from roah_rsbb.tools.competition.files import CannotWriteFiles, Hosts
-from roah_rsbb.tools.competition.late_team import late_runs, planned
 from roah_rsbb.tools.competition.plan import (
     Plan,
     PlannedDay,
     VenueClock,
     days_of,
+    late_runs,
     local_zone,
+    planned,
     planned_s,
     read_clock,
     timetable,
@@ -37,7 +38,7 @@ from roah_rsbb.tools.competition.plan import (
 )
 from roah_rsbb.tools.competition.rulebooks import Rulebook, read_rulebook
 from roah_rsbb.tools.competition.sheet import OPTIONAL, REQUIRED, Known, read_sheet
-from roah_rsbb.tools.interfaces import interfaces
+from roah_rsbb.tools.ports import interfaces
 
 _DESCRIPTION = """\
 Create the folder of a competition: benchmarks, passwords (randomly generated), schedule, parameters of the

@@ -12,9 +12,8 @@ from dataclasses import replace
 from typing import Callable, Collection, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
-from roah_rsbb.rulebook.errors import Place, Report, listing, quote
+from roah_rsbb.rulebook.errors import Place, Report, listing, quote, read_text
 from roah_rsbb.rulebook.registry import PROFILES
-from roah_rsbb.rulebook.text_files import read_text
 from roah_rsbb.rulebook.yaml_fields import integer, text
 from roah_rsbb.rulebook.yaml_lines import Scalar
 from roah_rsbb.tools.competition.answers import benchmark_code, team_name

@@ -16,8 +16,7 @@ from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.tools.competition import files
-from roah_rsbb.tools.competition.files import CannotWriteFiles, Hosts
-from roah_rsbb.tools.competition.firewall import TABLE, firewall_text, loaded_for
+from roah_rsbb.tools.competition.files import TABLE, CannotWriteFiles, Hosts, firewall_text, loaded_for
 from roah_rsbb.tools.competition.plan import Plan, PlannedRun, PlannedZone, VenueClock
 from roah_rsbb.tools.competition.rulebooks import BENCHMARKS, benchmarks_text, read_rulebook
 

@@ -1,4 +1,7 @@
-"""Finds the TCP ports on which this computer accepts connections, from /proc, as far as this user may read it."""
+"""The IPv4 interfaces of this computer, and the TCP ports on which it accepts connections.
+
+Ports are read from /proc, as far as this user may read it.
+"""
 
 import contextlib
 import os
@@ -6,6 +9,29 @@ import pathlib
 import socket
 import struct
 from typing import Dict, Iterator, List, NamedTuple
+
+from roah_rsbb.comm import sockets
+from roah_rsbb.ground import linux
+
+
+class Interface(NamedTuple):
+    """An IPv4 interface of this computer."""
+
+    name: str
+    address: str
+    broadcast: str  # empty: no broadcast address
+
+
+def interfaces() -> List[Interface]:
+    """Return the interfaces of this computer that have an IPv4 address."""
+    found = []
+    for name, address, broadcast in linux.interfaces():
+        if address:
+            if address.startswith("127."):
+                broadcast = sockets.LOOPBACK_BROADCAST
+            found.append(Interface(name, address, "" if broadcast == sockets.ANY_HOST else broadcast))
+    return found
+
 
 _LISTEN = "0A"
 _EVERYWHERE = ("0.0.0.0", "::")
