@@ -32,8 +32,8 @@ CONTENTS: Dict[str, Tuple[str, ...]] = {
         "launch/roah_rsbb.launch", "resource/"),
     # A box with ROS.
     "ros": (
-        "roah_rsbb/", "roah_rsbb/nodes/team/dummy_robots.py", "roah_rsbb/tools/demo.py", "roah_rsbb/tools/reconnect.py",
-        "launch/", "plugin.xml",
+        "roah_rsbb/", "roah_rsbb/nodes/team/dummy_robots.py", "roah_rsbb/tools/demo.py",
+        "roah_rsbb/tools/reconnect.py", "launch/", "plugin.xml",
         "etc/roah-rsbb/", "usr/share/applications/", "changelog", "copyright"),
 }
 # What a package needs besides, in the same version. A box with ROS needs all.
