@@ -28,8 +28,8 @@ CONTENTS: Dict[str, Tuple[str, ...]] = {
     # A box without ROS.
     "box": (
         "roah_rsbb/box/", "roah_rsbb/client/", "roah_rsbb/copies/", "roah_rsbb/devices/", "roah_rsbb/referee/",
-        "roah_rsbb/standby/", "roah_rsbb/tablet/", "roah_rsbb/tools/", "roah_rsbb/web/", "README.md", "config/", "docs/",
-        "launch/roah_rsbb.launch", "resource/"),
+        "roah_rsbb/standby/", "roah_rsbb/tablet/", "roah_rsbb/tools/", "roah_rsbb/web/", "README.md", "config/",
+        "docs/", "launch/roah_rsbb.launch", "resource/"),
     # A box with ROS.
     "ros": (
         "roah_rsbb/", "roah_rsbb/nodes/team/dummy_robots.py", "roah_rsbb/tools/demo.py",
