@@ -155,7 +155,8 @@ class Tablet:
         self._radio = self._host.do(self._open)
 
     def _open(self) -> TabletRadio:
-        radio = TabletRadio(self._host.loop, self._state, lambda changed: None, lambda text: None, BROADCAST, RSBB_PORT)
+        radio = TabletRadio(self._host.loop, self._state, lambda changed: None, lambda text: None,
+                            Network(BROADCAST, RSBB_PORT))
         radio.open()
         radio.present = True
         return radio

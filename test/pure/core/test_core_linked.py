@@ -16,7 +16,7 @@ from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
 
-# They depend on no version. On a second Python, test/pure/robot/test_repeated.py links box and robot.
+# They depend on no version. On a second Python, test/pure/robot/test_link.py links box and robot.
 pytestmark = pytest.mark.long
 
 STOP, PREPARE, WAITING_RESULT = BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT
