@@ -216,13 +216,13 @@ BAD = {"loss": 0.25, "double": 0.3, "late": 0.3, "longest_delay": 0.8}
 EVENT = {"team": "ALL", "timeout": 120.0, "scoring": ()}
 
 
-def _world_of_all(seed, teams, link=None, max_datagram=1024, longest_s=20.0):
-    """A box with all robots connected; their tasks take up to `longest_s`."""
+def _world_of_all(seed, teams, link=None):
+    """A box with all robots connected; their tasks take up to 20 s."""
     config = competition(teams=teams, tbm=[event("HSUF", **EVENT)])
-    world = World(config, FakeLink(random.Random(seed), **(link or {})), Settings(max_datagram=max_datagram))
+    world = World(config, FakeLink(random.Random(seed), **(link or {})))
     rng = random.Random(seed)
     for team in teams:
-        world.add_robot(team, skew=rng.uniform(-0.03, 0.03), execute_s=rng.uniform(2.0, longest_s))
+        world.add_robot(team, skew=rng.uniform(-0.03, 0.03), execute_s=rng.uniform(2.0, 20.0))
     ready = f"{len(teams)} robots ready"
     assert world.run_until(lambda: ready in world.box.view().state, 300), world.box.view().state
     world.press("connect")
@@ -249,15 +249,6 @@ def test_all_complete_on_a_bad_link(seed):
     assert world.run_until(lambda: all(robot.port is None for robot in world.robots), 30)
 
 
-def test_thirty_robots_complete():
-    # Without jitter many datagrams arrive at the same time, so that there are fewer moments to simulate.
-    world = _world_of_all(1, [f"Team{i:02}" for i in range(30)], {"jitter": False}, max_datagram=2000, longest_s=6.0)
-    run = _started(world)
-    assert world.run_until(lambda: run.phase is Phase.ENDED, 60)
-    assert run.desc == "All robots have ended (30 completed)"
-    assert all(robot.tasks == 1 for robot in world.robots)
-
-
 @pytest.mark.parametrize("seed", range(few(3)))
 def test_a_robot_that_crashes_and_returns_starts_again_and_the_others_do_not(seed):
     world = _world_of_all(seed, TEAMS)
@@ -280,27 +271,6 @@ def test_stop_reaches_all_and_all_start_again(seed):
     _started(world)
     assert world.run_until(lambda: run.phase is Phase.ENDED, 60)
     assert run.end_reason is EndReason.COMPLETED
-
-
-def test_a_robot_that_leaves_before_the_start_does_not_block_it():
-    world = _world_of_all(1, TEAMS)
-    gone = world.robots.pop(0)
-    world.run(4.0)
-    run = _started(world)
-    assert world.run_until(lambda: run.phase is Phase.ENDED, 60)
-    assert run.desc == "All robots have ended (2 completed)"
-    assert gone.tasks == 0
-
-
-def test_the_timeout_reaches_all():
-    world = _world_of_all(2, TEAMS, BAD)
-    for robot in world.robots[1:]:
-        robot.execute_s = 1000.0
-    run = _started(world)
-    assert world.run_until(lambda: run.phase is Phase.ENDED, 130)
-    assert run.end_reason is EndReason.TIMEOUT
-    stopped = [RobotState.STOP] * 3
-    assert world.run_until(lambda: [r.session.progress.state for r in world.robots] == stopped, 30)
 
 
 WAYPOINTS = [(RequestKind.GOAL, {"goal": f"[{i}, 0, 0]", "pose": (float(i), 0.0, 0.0)}) for i in range(3)]

@@ -252,30 +252,23 @@ def test_an_event_is_known_by_its_id(moved):
     assert [ruling.why for ruling in ruled] == [Why.NOT_LAST, Why.COUNTS]
 
 
-def test_another_team_at_an_event_has_no_runs_yet():
-    driver = BoxDriver(competition(tbm=[with_id("x", rules=TWICE), with_id("y", code="HWV", run=2)]))
-    first = attempt(driver)
-    reload(driver, competition(tbm=[with_id("x", team="Beta", rules=TWICE), with_id("y", code="HWV", run=2)]))
-    assert driver.box.zones["tbm"].event.team == "Beta"
-    assert states(driver)[1] is EventState.NEXT
-    assert driver.view().attempt == 1
-    second = attempt(driver)
-    assert [ruling.why for ruling in rulings([first, second], {})] == [Why.COUNTS, Why.COUNTS]
-
-
-def test_another_benchmark_at_an_event_has_no_runs_yet():
+@pytest.mark.parametrize("before, after", [({}, {"team": "Beta"}), ({"code": "HWV"}, {})], ids=["team", "benchmark"])
+def test_another_team_or_benchmark_at_an_event_has_no_runs_yet(before, after):
     """Its signed run used to stand for the new benchmark in schedule and checklist, and to be one of its attempts."""
-    driver = BoxDriver(competition(tbm=[with_id("x", code="HWV", rules=TWICE), with_id("y", run=2)]))
+    others = [with_id("y", run=2), with_id("z", code="HWV", run=3)]
+    driver = BoxDriver(competition(tbm=[with_id("x", rules=TWICE, **before), *others]))
     first = attempt(driver)
-    reload(driver, competition(tbm=[with_id("x", rules=TWICE), with_id("y", run=2), with_id("z", code="HWV", run=3)]))
-    assert driver.box.zones["tbm"].event.benchmark.code == "HGTKMH"
+    reload(driver, competition(tbm=[with_id("x", rules=TWICE, **after), *others]))
+    now = driver.box.zones["tbm"].event
+    assert (now.team, now.benchmark.code) == (after.get("team", "Alpha"), "HGTKMH")
     assert states(driver)[1] is EventState.NEXT
     assert schedule(driver.box, driver.now)[0].result is None
     assert driver.view().attempt == 1
     second = attempt(driver)
     assert (first.event, second.event) == ("x", "x")
     assert [ruling.why for ruling in rulings([first, second], {})] == [Why.COUNTS, Why.COUNTS]
-    assert [key.benchmark for key in driver.box.ran()] == ["HGTKMH", "HWV"]
+    assert [(key.benchmark, key.team) for key in driver.box.ran()] == [
+        (record.benchmark, record.team) for record in (second, first)]
 
 
 def test_a_run_of_tomorrow_with_the_same_numbers_is_another_event():

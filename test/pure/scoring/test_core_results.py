@@ -190,16 +190,6 @@ def test_a_removed_benchmark_is_shown_by_its_code():
     assert result.event.benchmark == "HOLD"
 
 
-def test_a_record_is_the_same_after_it_was_written_and_read():
-    driver = BoxDriver()
-    driver.executing()
-    driver.score(DOOR.group, DOOR.desc, 1)
-    driver.command("disconnect")
-    (record,) = driver.box.finished.records()
-    again = thaw(type(record), freeze(record))
-    assert again == record
-
-
 # -- corrections ------------------------------------------------------------------------------------
 
 

@@ -327,19 +327,6 @@ def test_notes_and_withdrawals_are_bounded_and_leave_room_for_values(referee):
 # -- restart ----------------------------------------------------------------------------------------
 
 
-def test_a_sheet_is_the_same_after_a_restart(referee):
-    referee.set(DOOR, 1, note="late")
-    referee.set(BUMPS, 2)
-    referee.set(BUMPS, 3)
-    referee.set(OBJECTS, not_attempted=True)
-    referee.withdraw(3)
-    fresh = again(referee.sheet, SCORING)
-    assert (fresh.history, fresh.items()) == (referee.sheet.history, referee.sheet.items())
-    referee.sheet = fresh
-    referee.set(BUMPS, 9, pause=0.0)
-    assert referee.entries("number", "old", "value")[-1] == (5, 2, 9)
-
-
 def test_items_that_came_or_went_since_raise_nothing_and_the_history_stays(referee):
     referee.set(DOOR, 1)
     referee.set(OBJECTS, 2)
@@ -384,38 +371,6 @@ def test_each_entry_has_what_was_added_and_both_values(referees):
     referees.set(BUMPS, 7)
     assert referees.entries("who", "role", "device", "added", "old", "value") == [
         ("Anna", "referee", "phone 3", "1", 0, 1), ("Ben", "", "", "2", 1, 3), ("Anna", "", "", "", 3, 7)]
-
-
-def test_without_an_entry_the_others_still_count(referees):
-    for who in ("Anna", "Ben", "Anna"):
-        referees.add(BUMPS, who=who)
-    referees.withdraw(1)
-    assert referees.value(BUMPS) == 2
-    referees.withdraw(3)
-    referees.withdraw(2)
-    assert referees.value(BUMPS) == 0
-
-
-def test_a_value_that_is_set_replaces_what_was_counted_before_and_counts_on(referees):
-    referees.add(BUMPS, 4)
-    referees.set(BUMPS, 1)
-    referees.add(BUMPS, 2)
-    assert referees.value(BUMPS) == 3
-    referees.withdraw(1)
-    assert referees.value(BUMPS) == 3
-    referees.withdraw(2)
-    assert referees.value(BUMPS) == 2
-
-
-def test_counting_removes_not_attempted_and_its_withdrawal_brings_it_back(referees):
-    referees.add(BUMPS, 3)
-    referees.set(BUMPS, not_attempted=True)
-    referees.add(BUMPS)
-    assert referees.value(BUMPS) == 1
-    referees.withdraw(3)
-    assert referees.value(BUMPS) == "-"
-    referees.withdraw(2)
-    assert referees.value(BUMPS) == 3
 
 
 def test_decimals_are_added_exactly(referees):

@@ -97,47 +97,11 @@ def test_a_sheet_worked_out_by_hand(book):
         "Table": "100", "Penalties": "-21.875", "Jury": "14", "Time left": "12"})
 
 
-@pytest.mark.parametrize("marks, table, penalties, total", [
-    ([(OBJECTS, 5), (EMPTY, 1)], "120", "0", "120"), ([(OBJECTS, 1), (DROPS, 9)], "20", "-50", "0"),
-    ([(DROPS, 1)], "0", "-10", "0"), ([(OBJECTS, 4), (DROPS, 5)], "80", "-50", "30"),
-])
-def test_limits_of_groups_and_of_the_sheet(book, marks, table, penalties, total):
-    for item, value in marks:
-        book.set(item, value)
-    assert book.points() == (total, {"Table": table, "Penalties": penalties, "Jury": "0", "Time left": "0"})
-
-
-def test_an_item_counts_only_if_what_it_needs_is_given(book):
-    book.set(EMPTY, 1)
-    assert book.item(EMPTY).points == "0"
-    book.set(OBJECTS, 1)
-    assert book.item(EMPTY).points == "30"
-    book.set(OBJECTS, not_attempted=True)
-    assert book.item(EMPTY).points == "0"
-
-
-def test_needs_reach_through_an_item_that_does_not_count_itself():
-    first, second, third = (ScoringItem("G", name, ScoreKind.BOOL, Decimal(1)) for name in "abc")
-    second = ScoringItem("G", "b", ScoreKind.BOOL, Decimal(1), needs=(first.key,))
-    third = ScoringItem("G", "c", ScoreKind.BOOL, Decimal(1), needs=(second.key,))
-    book = Book(SheetForm((third, second, first))).set(second, 1).set(third, 1)
-    assert book.points() == ("0", {"G": "0"})
-    assert book.set(first, 1).points() == ("3", {"G": "3"})
-
-
 @pytest.mark.parametrize("choice, points", [("alone", "5"), ("not at all", "0"), ("", "0")])
 def test_a_choice_is_given_if_it_has_points(choice, points):
     needy = ScoringItem("Table", "needy", ScoreKind.BOOL, Decimal(5), needs=(OPENS.key,))
     book = Book(SheetForm((OPENS, needy))).set(OPENS, text=choice).set(needy, 1)
     assert book.item(needy).points == points
-
-
-def test_a_choice_without_points_is_given_if_one_is_chosen():
-    door = ScoringItem("Table", "door", ScoreKind.CHOICE, choices=(ItemChoice("left"), ItemChoice("right")))
-    needy = ScoringItem("Table", "needy", ScoreKind.BOOL, Decimal(5), needs=(door.key,))
-    book = Book(SheetForm((door, needy))).set(needy, 1)
-    assert (book.item(needy).points, book.item(door).points) == ("0", "")
-    assert book.set(door, text="left").item(needy).points == "5"
 
 
 @pytest.mark.parametrize("needs, is_empty, reason, elapsed_s, points", [
