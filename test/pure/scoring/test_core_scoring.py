@@ -618,6 +618,18 @@ def test_a_mark_that_changes_nothing_is_known_too(referees):
 
 
 @pytest.mark.long
+def test_a_number_is_not_used_again_however_many_marks_followed_without_an_entry():
+    referees = Referee(ITEMS, 0.1)
+    referees.add(BUMPS, id="slip")
+    referees.add(BUMPS, -1, id="undone")
+    for number in range(MAX_MARKS + 5):
+        referees.set(CUPS, 0, id=str(number))
+    referees.restart()
+    referees.add(BUMPS)
+    assert referees.entries("number") == [(2,)]
+
+
+@pytest.mark.long
 def test_the_newest_identities_are_kept(referees):
     for number in range(MAX_MARKS + 5):
         referees.add(BUMPS, id=str(number))
