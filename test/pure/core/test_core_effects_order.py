@@ -2,9 +2,8 @@
 
 import pytest
 
-from helpers.box_driver import BoxDriver
+from helpers.box_driver import BoxDriver, EffectRules
 from helpers.competition import DOOR, competition, event
-from helpers.effect_rules import EffectRules
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import How
 from roah_rsbb.model import run_log
