@@ -29,17 +29,7 @@ from roah_rsbb.rulebook.standing_rules import (
     StandingRules,
 )
 from roah_rsbb.scoring.book import form_of
-from roah_rsbb.scoring.counting import (
-    Numbers,
-    Ruling,
-    RunChoice,
-    Why,
-    attempts_of,
-    exact,
-    rules_for,
-    rulings,
-    sort_key,
-)
+from roah_rsbb.scoring.counting import Numbers, Ruling, RunChoice, Why, attempts_of, exact, rules_for, rulings, sort_key
 from roah_rsbb.scoring.points import text_of
 from roah_rsbb.wording.sheets import NOT_SIGNED_OFF, end_reason, turn
 from roah_rsbb.wording.texts import one_line

@@ -7,16 +7,7 @@ from fractions import Fraction
 
 import pytest
 
-from helpers.results_of import (
-    ACHIEVED,
-    BUMPS,
-    DISQUALIFYING,
-    DOOR,
-    OBJECTS,
-    PENALIZED,
-    module_record,
-    task_record,
-)
+from helpers.results_of import ACHIEVED, BUMPS, DISQUALIFYING, DOOR, OBJECTS, PENALIZED, module_record, task_record
 from helpers.time_zones import local_time
 from roah_rsbb.model.records import GroupPoints, ScoreValue, SheetPoints, SignOff
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem, SheetForm

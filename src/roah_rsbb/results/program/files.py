@@ -1,11 +1,12 @@
 """Commands of `results` that rank runs and write files. Loading what they need takes longer than to list all runs."""
 
 import argparse
+import functools
 import json
 import os
 import signal
 import sys
-from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, TextIO
+from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, TextIO, Tuple
 
 from roah_rsbb.journal.log import names_in
 from roah_rsbb.journal.reader import JournalReader, journal_in
@@ -13,10 +14,11 @@ from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results import lists
 from roah_rsbb.results import standings as ranking
 from roah_rsbb.results.dataset import DatasetOptions, names_of, write_dataset
-from roah_rsbb.results.events import in_order, sections_of
+from roah_rsbb.results.events import Section, in_order, sections_of
 from roah_rsbb.results.export import (
     RESULT_COLUMNS,
     STANDING_COLUMNS,
+    Cell,
     exported,
     exported_standings,
     library,
@@ -58,6 +60,39 @@ LOG_FOLDER = "log"
 MOST_PROCESSES = 3
 
 
+class _Read(NamedTuple):
+    """A journal, and what the files of the competition say about it."""
+
+    reader: JournalReader
+    known: List[RunRecord]
+    why: Dict[str, Why]  # whether runs count, by their identities
+    ranked: List[Standing]
+    rules: Dict[str, Rules]
+    titles: Dict[str, str]  # of the benchmarks
+    competition: Competition
+    in_utc: bool
+
+    def result(self, number: int, warn: Callable[[str], None] = warn, with_payloads: bool = True) -> RunResult:
+        """Read the rest of a run. `number`: in the list of all runs."""
+        record = self.known[number - 1]
+        found = run_result(self.reader, number, record, warn, with_payloads)
+        return found._replace(counts=self.why[record.identity].value)
+
+    def sheet(self, result: RunResult, appendix: bool = True, shown: Optional[Sequence[Section]] = None) -> str:
+        """Return the page of a run."""
+        code = result.record.benchmark
+        return sheet_page(result, self.in_utc, self.rules.get(code), self.titles.get(code, ""), appendix,
+                          self.competition, shown)
+
+
+def _read(options: argparse.Namespace) -> _Read:
+    competition = _competition(options)  # a picture that is missing is reported at once
+    reader = open_journal(options)
+    known = known_records(options, reader)
+    return _Read(reader, known, why_of(options, known), _ranked(options, known), rules(options), _titles(options),
+                 competition, options.utc)
+
+
 def export(options: argparse.Namespace) -> int:
     """The command of this name."""
     if not (options.csv or options.json or options.html or options.pdf or options.dataset or options.mcap):
@@ -70,64 +105,53 @@ def export(options: argparse.Namespace) -> int:
         browser()
     if options.mcap:
         library()
-    _competition(options)
-    reader = open_journal(options)
-    as_of = reader.as_of()
-    known = known_records(options, reader)
-    why = why_of(options, known)
-    identities = [record.identity for record in known]
-    places = sorted({find(identities, word) for word in options.runs}) if options.runs else range(len(known))
-    chosen = [(place + 1, known[place]) for place in places]
-    ranked = _ranked(options, known)
+    read = _read(options)
+    identities = [record.identity for record in read.known]
+    numbers = sorted({find(identities, word) + 1 for word in options.runs} if options.runs
+                     else range(1, len(identities) + 1))
     if options.csv:
-        rows = result_rows((r for _, r in chosen), options.utc, why)
-        _write(options.csv, lambda file: write_table(
-            file, RESULT_COLUMNS, rows, options.decimal_comma), "utf-8-sig")
-
-    def results() -> Iterator[RunResult]:
-        return (run_result(reader, number, record, warn)._replace(counts=why[record.identity].value)
-                for number, record in chosen)
-
+        rows = result_rows((read.known[number - 1] for number in numbers), options.utc, read.why)
+        _write_csv(options, RESULT_COLUMNS, rows)
     if options.json:
-        value = exported(list(results()), ranked, reader.path, as_of)
-        _write(options.json, lambda file: _dump(value, file))
+        _write_json(options, exported(list(map(read.result, numbers)), read.ranked, read.reader.path,
+                                      read.reader.as_of()))
     if options.dataset:
         os.makedirs(options.dataset, exist_ok=True)
-        names = names_of(reader) if options.anonymous else None
-        write_dataset(options.dataset, results(), DatasetOptions(names, options.licence, options.title))
-        print(f"the data set of {len(chosen)} runs is in {options.dataset}")
+        names = names_of(read.reader) if options.anonymous else None
+        write_dataset(options.dataset, map(read.result, numbers), DatasetOptions(names, options.licence, options.title))
+        print(f"the data set of {len(numbers)} runs is in {options.dataset}")
     if options.mcap:
         os.makedirs(options.mcap, exist_ok=True)
-        written = [path for result in results() for path in write_mcap(result, options.mcap)]
-        print(f"the logs of {len(written)} robots in {len(chosen)} runs are in {options.mcap}")
+        written = [path for number in numbers for path in write_mcap(read.result(number), options.mcap)]
+        print(f"the logs of {len(written)} robots in {len(numbers)} runs are in {options.mcap}")
     if options.html:
-        _write_pages(options, options.html, "html", _write_html, results(), chosen, ranked, why, as_of)
+        _write_sheets(options, read, numbers, options.html, "html", _write_html)
     if options.pdf:
         with Printer() as printer:
-            _write_pages(options, options.pdf, "pdf", printer.print, results(), chosen, ranked, why, as_of)
+            _warn_of_fonts(_write_sheets(options, read, numbers, options.pdf, "pdf", printer.print))
     return 0
 
 
-def _write_pages(
-    options, folder: str, suffix: str, write: Callable[[str, str], None], results: Iterable[RunResult], chosen,
-    ranked: List[Standing], why: Mapping[str, Why], as_of: float,
-) -> None:
-    of_rules, titles, competition = rules(options), _titles(options), _competition(options)
+def _write_sheets(
+    options: argparse.Namespace, read: _Read, numbers: Sequence[int], folder: str, suffix: str,
+    write: Callable[[str, str], None],
+) -> Set[str]:
+    """Write the pages of these runs, and the index; returns their letters."""
     sheets: Dict[str, str] = {}
     letters: Set[str] = set()
     os.makedirs(folder, exist_ok=True)
-    for result in results:
-        record = result.record
-        sheets[record.identity] = name = f"{file_name(result.number, record)}.{suffix}"
-        text = sheet_page(result, options.utc, of_rules.get(record.benchmark), titles.get(record.benchmark, ""),
-                          not options.no_appendix, competition)
+    for number in numbers:
+        record = read.known[number - 1]
+        sheets[record.identity] = name = f"{file_name(number, record)}.{suffix}"
+        text = read.sheet(read.result(number), not options.no_appendix)
         letters.update(text)
         write(text, os.path.join(folder, name))
-    if suffix == "pdf":
-        _warn_of_fonts(letters)
+    chosen = [(number, read.known[number - 1]) for number in numbers]
     index = f"index.{suffix}"
-    write(index_page(chosen, sheets, ranked, as_of, options.utc, competition, why), os.path.join(folder, index))
+    write(index_page(chosen, sheets, read.ranked, read.reader.as_of(), options.utc, read.competition, read.why),
+          os.path.join(folder, index))
     print(f"{len(sheets)} score sheets and {index} are in {folder}")
+    return letters
 
 
 def replay(options: argparse.Namespace) -> int:
@@ -194,48 +218,28 @@ def _write_site(
 ) -> Site:
     """Write the pages of a competition."""
     options = argparse.Namespace(**{**vars(options), "journal": journal})
-    with files_of(options):
-        return _written_site(options, folder, shared, home)
-
-
-def _written_site(options: argparse.Namespace, folder: str, shared: Assets, home: str) -> Site:
-    of_rules, titles, competition = rules(options), _titles(options), _competition(options)
     parts = None if options.no_replays else page_parts(_resource(options, "replay"))
     os.makedirs(os.path.join(folder, "runs"), exist_ok=True)
     sheets: Dict[str, str] = {}
     replays: Dict[str, str] = {}
     runs = []
-    reader = open_journal(options)
-    known = known_records(options, reader)
-    ranked = _ranked(options, known)
-    as_of = reader.as_of()
-    period_s = link_period_s(known, as_of)
-    about = _AboutRuns(
-        folder, of_rules, titles, competition, parts, options.utc, period_s, why_of(options, known))
-    for record, written in zip(known, _written_runs(reader, about, known)):
-        for text in written.warnings:
-            warn(text)
-        runs.append(written.facts)
-        sheets[record.identity] = written.sheet
-        if written.replay:
-            replays[record.identity] = written.replay
-    site = Site(runs, ranked, sheets, replays, titles, as_of, options.utc, shared, competition, home, period_s)
-    for name, text in all_pages(site).items():
-        _write_html(text, os.path.join(folder, name))
+    with files_of(options):
+        read = _read(options)
+        as_of = read.reader.as_of()
+        period_s = link_period_s(read.known, as_of)
+        write = functools.partial(_write_run, read, folder, parts, period_s)
+        for record, written in zip(read.known, _shared_out(write, range(1, len(read.known) + 1))):
+            for text in written.warnings:
+                warn(text)
+            runs.append(written.facts)
+            sheets[record.identity] = written.sheet
+            if written.replay:
+                replays[record.identity] = written.replay
+        site = Site(runs, read.ranked, sheets, replays, read.titles, as_of, options.utc, shared, read.competition, home,
+                    period_s)
+        for name, text in all_pages(site).items():
+            _write_html(text, os.path.join(folder, name))
     return site
-
-
-class _AboutRuns(NamedTuple):
-    """What the pages of all runs need."""
-
-    folder: str
-    rules: Dict[str, Rules]
-    titles: Dict[str, str]
-    competition: Competition
-    replay_parts: Optional[PageParts]  # None: without replays
-    in_utc: bool
-    link_period_s: int
-    why: Dict[str, Why]  # whether runs count, by their identities
 
 
 class _WrittenRun(NamedTuple):
@@ -247,60 +251,57 @@ class _WrittenRun(NamedTuple):
     warnings: List[str]
 
 
-_shared: List[Any] = []  # in a process of `_written_runs`: the journal, and what the pages of all runs need
+_work: List[Callable[[int], _WrittenRun]] = []  # in a process of `_shared_out`
 
 
-def _written_runs(reader: JournalReader, about: _AboutRuns, known: Sequence[RunRecord]) -> Iterator[_WrittenRun]:
-    """Write the pages of all runs in several processes, because threads of Python do not compute at the same time."""
+def _shared_out(work: Callable[[int], _WrittenRun], numbers: Sequence[int]) -> Iterator[_WrittenRun]:
+    """Work in several processes, because threads of Python do not compute at the same time. The results are in order.
+    """
     # Imported late: no other command needs them.
     import multiprocessing
     from concurrent.futures import ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
 
-    count = min(MOST_PROCESSES, len(os.sched_getaffinity(0)), len(known))
+    count = min(MOST_PROCESSES, len(os.sched_getaffinity(0)), len(numbers))
     if count < 2:
-        yield from (_write_run(reader, about, *run) for run in enumerate(known, 1))
+        yield from map(work, numbers)
         return
-    with ProcessPoolExecutor(count, multiprocessing.get_context("fork"), _share, (reader, about)) as pool:
-        runs = [pool.submit(_write_shared_run, *run) for run in enumerate(known, 1)]
+    with ProcessPoolExecutor(count, multiprocessing.get_context("fork"), _begin_to_work, (work,)) as pool:
+        waiting = [pool.submit(_work_on, number) for number in numbers]
         try:
-            for run in runs:
-                yield run.result()
+            for each in waiting:
+                yield each.result()
         except BrokenProcessPool:
             raise NotPossible("a process of this program ended early: free memory, and repeat the command") from None
         finally:
-            for run in runs:
-                run.cancel()
+            for each in waiting:
+                each.cancel()
 
 
-def _share(*shared: object) -> None:
-    """Begin a process of `_written_runs`. What it needs comes by the fork."""
+def _begin_to_work(work: Callable[[int], _WrittenRun]) -> None:
+    """Begin a process. What it needs comes by the fork, not as a message."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process ends the others
-    _shared[:] = shared
+    _work[:] = [work]
 
 
-def _write_shared_run(number: int, record: RunRecord) -> _WrittenRun:
-    return _write_run(*_shared, number, record)
+def _work_on(number: int) -> _WrittenRun:
+    return _work[0](number)
 
 
-def _write_run(reader: JournalReader, about: _AboutRuns, number: int, record: RunRecord) -> _WrittenRun:
-    """Write the pages of a run, perhaps in another process."""
+def _write_run(read: _Read, folder: str, parts: Optional[PageParts], link_period: int, number: int) -> _WrittenRun:
+    """Write the pages of a run, perhaps in another process. `parts`: of a replay; None: without replays."""
     warnings: List[str] = []
-    result = run_result(reader, number, record, warnings.append, with_payloads=False)
-    result = result._replace(counts=about.why[record.identity].value)
+    result = read.result(number, warnings.append, with_payloads=False)
     events = list(in_order(result, with_scores=True))
     shown = sections_of(events)
     warned = sum(event.bad for section in shown for event in section.events)
-    facts = facts_of(result, warned, about.link_period_s)
-    sheet, replay_file = f"runs/{file_name(number, record)}.html", ""
-    rules, title = about.rules.get(record.benchmark), about.titles.get(record.benchmark, "")
-    _write_html(sheet_page(result, about.in_utc, rules, title, competition=about.competition, shown=shown),
-                os.path.join(about.folder, sheet))
-    if about.replay_parts is not None:
-        replay_file = f"runs/{replay_name(number, record)}"
-        _write_html(replay_of(reader, result, about.replay_parts, about.in_utc, warnings.append, events=events),
-                    os.path.join(about.folder, replay_file))
-    return _WrittenRun(facts, sheet, replay_file, warnings)
+    sheet, replay_file = f"runs/{file_name(number, result.record)}.html", ""
+    _write_html(read.sheet(result, shown=shown), os.path.join(folder, sheet))
+    if parts is not None:
+        replay_file = f"runs/{replay_name(number, result.record)}"
+        _write_html(replay_of(read.reader, result, parts, read.in_utc, warnings.append, events=events),
+                    os.path.join(folder, replay_file))
+    return _WrittenRun(facts_of(result, warned, link_period), sheet, replay_file, warnings)
 
 
 def _write_html(text: str, path: str) -> None:
@@ -319,10 +320,9 @@ def standings(options: argparse.Namespace) -> int:
     if options.benchmarks:
         ranked = [standing for standing in ranked if standing.benchmark in options.benchmarks]
     if options.csv:
-        _write(options.csv, lambda file: write_table(
-            file, STANDING_COLUMNS, standing_rows(ranked), options.decimal_comma), "utf-8-sig")
+        _write_csv(options, STANDING_COLUMNS, standing_rows(ranked))
     if options.json:
-        _write(options.json, lambda file: _dump(exported_standings(ranked, path, as_of), file))
+        _write_json(options, exported_standings(ranked, path, as_of))
     _write_page(options, standings_page(ranked, as_of, options.utc, _competition(options)))
     if not (options.csv or options.json or options.html or options.pdf):
         for standing in ranked:
@@ -422,6 +422,13 @@ def _make_folder_of(path: str) -> None:
     os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
 
 
-def _dump(value: object, file: TextIO) -> None:
-    json.dump(value, file, ensure_ascii=False, indent=1)
-    file.write("\n")
+def _write_csv(options: argparse.Namespace, columns: Tuple[str, ...], rows: Iterable[Dict[str, Cell]]) -> None:
+    _write(options.csv, lambda file: write_table(file, columns, rows, options.decimal_comma), "utf-8-sig")
+
+
+def _write_json(options: argparse.Namespace, value: object) -> None:
+    def write(file: TextIO) -> None:
+        json.dump(value, file, ensure_ascii=False, indent=1)
+        file.write("\n")
+
+    _write(options.json, write)
