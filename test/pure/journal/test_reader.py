@@ -81,13 +81,6 @@ def test_while_the_box_writes_it_is_of_one_moment(writer):
     assert identities(writer.path) == [RECORD.identity, "later"]
 
 
-def test_the_box_can_write_while_it_is_read(writer):
-    reader = JournalReader(writer.path)
-    writer.entry("notice", {})
-    writer.close()
-    assert len(reader.runs()) == 1
-
-
 def test_it_is_whole_while_segments_follow_each_other(writer, monkeypatch):
     monkeypatch.setattr(log, "FULL_BYTES", 10_000)
     writer.journal._writer.log._full_at = 0
@@ -114,11 +107,6 @@ def test_reading_leaves_a_past_competition_unchanged(writer):
     before = files_beside(writer.path)
     assert identities(writer.path) == [RECORD.identity]
     assert files_beside(writer.path) == before
-
-
-def test_a_copy_of_a_running_box(writer, tmp_path):
-    shutil.copytree(writer.path, tmp_path / "copy")
-    assert identities(tmp_path / "copy") == [RECORD.identity]
 
 
 def test_a_torn_end_of_a_running_box_is_no_damage(writer):
@@ -207,16 +195,6 @@ def test_a_segment_that_lost_its_end(writer, keep):
     assert reader.damage
     assert 300 * (keep - 0.2) < len(numbers) < 300 * (keep + 0.2)
     assert numbers == sorted(numbers)
-
-
-def test_no_damage(writer):
-    assert reader_damage(writer.path) == []
-    writer.close()
-    assert reader_damage(writer.path) == []
-
-
-def reader_damage(path):
-    return JournalReader(path).damage
 
 
 def test_damage_is_reported_with_its_times(writer):

@@ -282,37 +282,22 @@ def test_a_disk_that_is_full_at_the_start(journals):
     assert again.troubles[-1] == REPAIRED
 
 
-def test_a_removed_folder_is_written_again(journals, tmp_path):
-    journal = journals()
-    journal.write(BATCH)
-    shutil.rmtree(tmp_path / "log")
-    journal.write(Batch(entries=[ENTRY]))
-    journal.look()
-    assert len(entries(journal)) == 2
-    ticket = journal.write(Batch(entries=[ENTRY]))
-    assert len(entries(journal)) == 3
-    assert journal.why_not_saved(ticket) == ""
-
-
-def test_all_segments_of_a_removed_folder_are_written_again(journals, tmp_path):
+@pytest.mark.parametrize("lose", [
+    lambda log_dir: shutil.rmtree(log_dir / JOURNAL), shutil.rmtree, lambda log_dir: log_dir.rename(f"{log_dir} moved"),
+])
+def test_all_segments_of_a_folder_that_is_gone_are_written_again(journals, tmp_path, lose):
     for number in range(3):
         journal = journals()
         journal.write(dataclasses.replace(BATCH, entries=[ENTRY._replace(value=number)]))
         if number < 2:
             journal.close()
-    shutil.rmtree(tmp_path / "log" / JOURNAL)
+    lose(tmp_path / "log")
     journal.look()
     assert JournalReader(journal.path).damage == []
     assert [entry[-1] for entry in entries(journal)] == [0, 1, 2]
-
-
-def test_a_folder_that_was_renamed_is_written_again(journals, tmp_path):
-    journal = journals()
-    journal.write(BATCH)
-    (tmp_path / "log").rename(tmp_path / "moved")
-    journal.write(Batch(entries=[ENTRY]))
-    assert len(entries(journal)) == 2
     assert (tmp_path / "log" / f"{JOURNAL}.lock").exists()
+    assert journal.why_not_saved(journal.write(Batch(entries=[ENTRY]))) == ""
+    assert len(entries(journal)) == 4
 
 
 def test_another_journal_in_its_place_is_set_aside(journals, tmp_path):
@@ -575,13 +560,6 @@ def test_no_empty_journal_is_begun_beside_a_damaged_one(journals, tmp_path, chan
     assert contents(kept) == spoiled and str(kept) in begun.warnings[0]
 
 
-def test_a_lost_segment_is_reported(journals, tmp_path):
-    path = _closed(journals, tmp_path)
-    _closed(journals, tmp_path)
-    min(path.glob("*.log")).unlink()
-    assert "the segment before journal-000002-" in journals().warnings[0]
-
-
 def test_a_lost_newest_segment_is_reported(journals, tmp_path):
     path = _closed(journals, tmp_path)
     _closed(journals, tmp_path)
@@ -622,52 +600,6 @@ def test_syncs_are_grouped(journals, monkeypatch):
     all_are_written.set()
     assert journal.why_not_saved(tickets[-1]) == ""
     assert 0 < len(synced) < 10
-
-
-class SimulatedSyncer:
-    """Syncs when the simulated time has come, without a thread."""
-
-    def __init__(self, work, group_s):
-        self._work, self.is_wanted = work, False
-
-    def wake(self):
-        self.is_wanted = True
-
-    def work(self, is_done, timeout):
-        self.wake()
-        return self.wait(is_done, timeout)
-
-    def wait(self, is_done, timeout):
-        self.pass_time()
-        return is_done()
-
-    def pass_time(self):
-        if self.is_wanted:
-            self.is_wanted = not self._work()
-
-    def end(self):
-        self.pass_time()
-
-
-def test_in_simulated_time_nothing_depends_on_threads_or_chance(tmp_path):
-    contents = []
-    for name in ("first", "second"):
-        chance, now = random.Random(5), [100.0]
-
-        class SimulatedFiles(log.Files):
-            unique = staticmethod(lambda count, chance=chance: bytes(chance.randrange(256) for _ in range(count)))
-
-        journal = Journal(str(tmp_path / name), session(), COMPETITION, Resume.ALWAYS, [].append, None,
-                          SimulatedFiles(), lambda now=now: now[0], SimulatedSyncer)
-        ticket = journal.write(BATCH)
-        assert (journal.committed, journal.saved) == (1, 0)
-        now[0] += stores.SLOW_S
-        journal.look()
-        assert journal._slow
-        assert journal.why_not_saved(ticket) == ""
-        journal.close()
-        contents.append({path.name: path.read_bytes() for path in sorted((tmp_path / name / JOURNAL).iterdir())})
-    assert contents[0] == contents[1]
 
 
 ON_A_DISK = """

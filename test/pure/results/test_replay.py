@@ -109,15 +109,6 @@ def test_clocks_that_only_pass_are_not_repeated(played):
     assert len(data["clock"]) < len(reader.states(record.identity)) / 2
 
 
-def test_the_same_journal_makes_the_same_bytes(played, tmp_path):
-    driver, reader = played
-    again = ReplayedCompetition(tmp_path, driver.seed)
-    other = JournalReader(again.play())
-    for number in (1, 2):
-        pages = {_page(each, number) for each in (reader, reader, other)}
-        assert len(pages) == 1
-
-
 def _page(reader, number, **options):
     record = records(reader, pytest.fail)[number - 1]
     return replay_of(reader, run_result(reader, number, record, pytest.fail), PARTS, True, pytest.fail, **options)

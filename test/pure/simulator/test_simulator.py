@@ -49,6 +49,7 @@ def test_a_seed_is_always_the_same(seed):
     first, second = simulate(seed), simulate(seed)
     assert first.trace.lines == second.trace.lines
     assert first.trace.digest == second.trace.digest
+    assert first.journal == second.journal
 
 
 def test_all_planted_faults_fit_the_source():

@@ -68,17 +68,21 @@ class Texts(html.parser.HTMLParser):
 
     def __init__(self, page):
         super().__init__()
-        self.texts, self.tags, self.attributes, self._hidden = [], [], set(), 0
+        self.texts, self.tags, self.attributes, self._hidden, self._open = [], [], set(), 0, []
         self.feed(page)
         self.close()
+        assert self._open == [], "every element is closed"
 
     def handle_starttag(self, tag, attrs):
         self.tags.append(tag)
         self.attributes.update(name for name, _ in attrs)
         self._hidden += tag in ("script", "style")
+        if tag not in ("br", "img", "meta", "wbr"):
+            self._open.append(tag)
 
     def handle_endtag(self, tag):
         self._hidden -= tag in ("script", "style")
+        assert self._open.pop() == tag
 
     def handle_data(self, data):
         if not self._hidden and data.strip():
@@ -360,7 +364,8 @@ def test_the_library_is_the_original_one():
 
 # -- hostile texts ----------------------------------------------------------------------------------
 
-HOSTILE = f"</script></title><svg onload=alert(1)>'\"`{EVIL}\u2028../../x\n=cmd()"
+HOSTILE = f"=cmd()</script></title><svg onload=alert(1)>'\"`{EVIL}\u2028../../{'x' * 300}\n=cmd()"
+PLOTTED = {"items.html", "times.html", "link.html"}
 TAGS = {"html", "head", "meta", "title", "style", "script", "body", "nav", "b", "a", "h1", "h2", "h3", "p", "div",
         "span", "table", "thead", "tbody", "tr", "th", "td", "meter", "br", "wbr", "del", "svg", "rect", "line", "path",
         "text", "circle"}
@@ -371,18 +376,21 @@ ATTRIBUTES = {"lang", "charset", "http-equiv", "content", "name", "href", "class
 def _hostile(log_dir):
     writer = Writer(log_dir)
     record = full_record()
-    items = (*record.items, ItemRecord(HOSTILE, HOSTILE, "bool", 1))
+    items = (*record.items, ItemRecord(HOSTILE, HOSTILE, "bool", 1), ItemRecord("g", "way", "choice", 0, text=HOSTILE))
     record = record._replace(
         zone=HOSTILE, team=HOSTILE, benchmark="H" + HOSTILE, robots=(HOSTILE,), items=items, end_reason=HOSTILE,
         sign_off=record.sign_off._replace(who=HOSTILE), phases=(PhaseTime(HOSTILE, 0.0, 1.0),),
-        module_scores=(ScoreValue(HOSTILE, HOSTILE, json.dumps(HOSTILE), HOSTILE, HOSTILE),),
-        history=tuple(entry._replace(who=HOSTILE, note=HOSTILE) for entry in record.history),
+        module_scores=(ScoreValue(HOSTILE, HOSTILE, json.dumps(HOSTILE), HOSTILE, HOSTILE),
+                       ScoreValue("", "error", "-0.5", "m")),
+        history=tuple(entry._replace(who=HOSTILE, note=HOSTILE, group=HOSTILE, desc=HOSTILE, withdrawn_by=HOSTILE)
+                      for entry in record.history),
         stops=tuple(stop._replace(who=HOSTILE, reason=HOSTILE, desc=HOSTILE) for stop in record.stops))
     writer.run(record, ((6667, HOSTILE),))
     writer.run(task_record(HOSTILE, 2, sign_off=None), ((6668, HOSTILE),))
     writer.utc = record.opened_utc
     for kind in ("/notification", "/visitor", "/rsbb_log/result", "/rsbb_log/bmbox/goal", "notice", "command", HOSTILE,
-                 "/rsbb_log/rsbb_state_str", "/rsbb_log/rsbb_state_desc", "address", "/rsbb_log/manual_operation"):
+                 "/rsbb_log/rsbb_state_str", "/rsbb_log/rsbb_state_desc", "address", "/rsbb_log/manual_operation",
+                 "/rsbb_log/client_state"):
         writer.entry(kind, HOSTILE, record.identity, who=HOSTILE)
     writer.link(LinkSample(1.0, received=1, host=HOSTILE))
     writer.close()
@@ -394,6 +402,7 @@ def test_no_text_is_markup_a_formula_or_a_command_of_a_terminal(tmp_path, capsys
     pages = report(journal, tmp_path / "report")
     run_program("--journal", journal, "export", "--dataset", tmp_path / "set", "--csv", tmp_path / "results.csv",
                 "--html", tmp_path / "sheets")
+    run_program("--journal", journal, "standings", "--csv", tmp_path / "standings.csv")
     for path in (tmp_path / "sheets").iterdir():
         pages[path.name] = path.read_text(encoding="utf-8")
     for name, text in pages.items():
@@ -401,6 +410,8 @@ def test_no_text_is_markup_a_formula_or_a_command_of_a_terminal(tmp_path, capsys
             continue  # tested with the replay
         parsed = Texts(text)
         assert set(parsed.tags) <= TAGS, name
+        assert "Content-Security-Policy\" content=\"default-src 'none';".replace("'", "&#x27;") in text
+        assert name in PLOTTED or not re.search(r"url\(|@import", text)
         svg = "svg" in parsed.tags
         assert svg or parsed.attributes <= ATTRIBUTES, name
         assert not {each for each in parsed.attributes if each.startswith("on") or each in ("src", "style")}, name
@@ -408,11 +419,12 @@ def test_no_text_is_markup_a_formula_or_a_command_of_a_terminal(tmp_path, capsys
         assert parsed.tags.count("script") == len(blocks)
         assert text.count("\u202e") == text.count("\x1b") == 0
     for path in tmp_path.rglob("*"):
-        assert re.fullmatch(r"[\w.-]+", path.name) and tmp_path in path.resolve().parents
-    for path in (*(tmp_path / "set").glob("*.csv"), tmp_path / "results.csv"):
+        assert re.fullmatch(r"[\w.-]{1,150}", path.name) and tmp_path in path.resolve().parents
+    for path in (*(tmp_path / "set").glob("*.csv"), *tmp_path.glob("*.csv")):
         with open(str(path), encoding="utf-8-sig", newline="") as file:
             for row in csv.reader(file):
                 assert not [cell for cell in row if re.match(r" *[=+@\t\r|%]|-[^\d]", cell)], path
+    assert "-0.5" in (tmp_path / "results.csv").read_text("utf-8-sig"), "a number is no formula"
     capsys.readouterr()
     for command in (("list",), ("show", "1"), ("standings",), ("bags",)):
         run_program("--journal", journal, *command)
