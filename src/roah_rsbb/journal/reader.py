@@ -13,7 +13,7 @@ from roah_rsbb.journal import records
 from roah_rsbb.journal.contents import DAMAGED, BoxEpoch, Opened, RunEntry, holes_of, open_journal, utc_text
 from roah_rsbb.journal.log import Frame, NewerFormat, Scan, Segment, scan_at, scans
 from roah_rsbb.journal.log_dir import JOURNAL
-from roah_rsbb.journal.records import Kind, Top, line_of, top_of
+from roah_rsbb.journal.records import Kind, LinkRow, Top, line_of, top_of
 
 # A running box may write a record, or begin a segment, while the folder is read.
 # Seconds between two looks then: on a busy computer, its write may wait for the processor.
@@ -83,15 +83,6 @@ class JournalEntry(NamedTuple):
     who: str  # the originator; empty: the box
     kind: str
     value: Any  # JSON's value
-
-
-class JournalLink(NamedTuple):
-    """A second of a robot's link record."""
-
-    port: int
-    utc: float  # UTC seconds
-    mono: float
-    sample: Dict[str, Any]  # the core's LinkSample, without fields that have their default
 
 
 class JournalSegment(NamedTuple):
@@ -212,11 +203,11 @@ class JournalReader:
         return [entry for entry in self._entries(self._all(), (records.ENTRIES,), b'"command"')
                 if entry.zone == zone and entry.kind == Kind.COMMAND]
 
-    def links(self, port: int) -> List[JournalLink]:
+    def links(self, port: int) -> List[LinkRow]:
         """The link record of a robot, in order."""
         identity = self._contents.run_of.get(port)
         return [] if identity is None else [
-            JournalLink(*link) for top, frame in self._of(identity) if records.LINKS in top.letters
+            LinkRow(*link) for top, frame in self._of(identity) if records.LINKS in top.letters
             for link in line_of(frame.payload, records.LINKS) if link[0] == port]
 
     def dump(self, identity: str = "") -> Iterator[str]:

@@ -14,9 +14,10 @@ import pytest
 
 from helpers.journals import UTC0, Writer, spoil
 from helpers.results_of import EVIL, full_record, keep_files, task_record, write_competition
+from roah_rsbb.journal.contents import superseded_value
 from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.journal.reader import JournalReader
-from roah_rsbb.journal.records import Batch, OutcomeRow
+from roah_rsbb.journal.records import Batch, Kind, OutcomeRow
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, PhaseTime, RunRecord, ScoreEntry, ScoreValue
 from roah_rsbb.model.saved import freeze
@@ -667,3 +668,22 @@ def test_a_code_that_this_installation_does_not_know_is_shown_all_the_same(run, 
     assert run("export", *to, source=source)[::2] == (0, err)
     assert "FetchMug" in (tmp_path / "sheets" / "index.html").read_text("utf-8")
     assert "FetchMug" in (tmp_path / "runs.json").read_text("utf-8")
+
+
+# -- a journal that forks ---------------------------------------------------------------------------
+
+
+def test_the_runs_that_only_the_old_box_has_are_named(run, tmp_path):
+    """They are never merged."""
+    writer = Writer(tmp_path)
+    for number in (1, 2):
+        writer.run(task_record("Alpha", number), robots=((6666 + number, "r1"),))
+    writer.entry("/notification", "in both")
+    source = ("--log-dir", tmp_path)
+    assert "took over" not in run("list", source=source)[2]
+    both = writer.journal.number_of(writer.journal.committed)
+    writer.entry("/notification", "only here", identity=task_record("Alpha", 2).identity)
+    writer.entry(Kind.EPOCH, superseded_value(2, both, "10.0.0.3"), port=None)
+    writer.close()
+    warning = run("list", source=source)[2]
+    assert "the box at 10.0.0.3 took over" in warning and f"after record {both}: run 2 (1 entries)" in warning
