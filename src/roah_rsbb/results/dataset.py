@@ -113,7 +113,7 @@ def _module_value(names: Names, text: str) -> str:
 
 # What replaces the fields of records that have names or free texts. `Names` replaces the texts that are made from the
 # journal's entries.
-_HIDDEN: Dict[type, Dict[str, Callable[[Names, Any], Any]]] = {
+HIDDEN: Dict[type, Dict[str, Callable[[Names, Any], Any]]] = {
     RunResult: {"entries": lambda _, entries: entries},
     RunRecord: {"team": _team, "robots": _robots, "marks": _nothing},
     ScoreEntry: {
@@ -141,7 +141,7 @@ def anonymous(value: Any, names: Names) -> Any:
         return value
     if not hasattr(value, "_fields"):
         return tuple(anonymous(part, names) for part in value)
-    hidden = _HIDDEN.get(value.__class__, {})
+    hidden = HIDDEN.get(value.__class__, {})
     return value._make(hidden[name](names, part) if name in hidden else anonymous(part, names)
                        for name, part in zip(value._fields, value))
 

@@ -28,6 +28,7 @@ from roah_rsbb.results.program import files as writing
 from roah_rsbb.results.program import main as program
 from roah_rsbb.results.runs import find_record, heads, records
 from roah_rsbb.rulebook.standing_rules import OfRuns
+from roah_rsbb.wording.texts import visible
 
 ROOT = pathlib.Path(__file__).resolve().parents[4]
 
@@ -279,6 +280,7 @@ def test_the_bags_of_all_runs(run, tmp_path):
     status, out, _ = run("bags", source=("--log-dir", tmp_path / "log"))
     heading, first, second, summary = out.splitlines()
     assert status == 0
+    assert [line.split()[0] for line in (first, second)] == ["1", "2"]
     assert first.endswith(f"2.0 MB   {tmp_path / 'log' / '6667.bag'}")
     assert second.endswith("missing  /logs/6668.bag")
     assert summary.startswith("1 of 2 bags found")
@@ -388,11 +390,14 @@ def test_a_run_with_nothing_has_a_row_of_its_own():
 
 @pytest.mark.parametrize(("cell", "shown"), [
     ("=1+1", "'=1+1"), ("+1", "'+1"), ("-1", "'-1"), ("@SUM(A1)", "'@SUM(A1)"), ("  =1", "'  =1"), ("\t=1", "\\t=1"),
-    ("\r=1", "\\r=1"), ("＝1", "'＝1"), ("a=1", "a=1"), ("", ""), ("'=1", "''=1"), ("\x1b[1m", "\\x1b[1m"),
+    ("\r=1", "\\r=1"), ("＝1", "'＝1"), ("a=1", "a=1"), ("", ""), ("'=1", "''=1"), ("'", "''"), ("''", "'''"),
+    ("\x1b[1m", "\\x1b[1m"), ("a\nb", "a\nb"), ("a,b", "a,b"), ('"; DROP', '"; DROP'),
     (-1.5, -1.5), (3, 3), (None, ""), (True, "true"), (False, "false"),
 ])
-def test_no_cell_is_a_formula(cell, shown):
+def test_no_cell_is_a_formula_and_the_rule_restores_the_text(cell, shown):
     assert export.safe(cell) == shown
+    if isinstance(cell, str):
+        assert shown[shown.startswith("'"):] == visible(cell)
 
 
 # -- JSON and pages ---------------------------------------------------------------------------------
