@@ -18,7 +18,7 @@ from roah_rsbb.referee.args import PROG
 from roah_rsbb.referee.at_once import Exit
 from roah_rsbb.referee.link import Link
 from roah_rsbb.referee.state import Change, as_json, zone_json
-from roah_rsbb.referee.stopping import STOP_HINT, STOP_HINT_ALL, Keyboard, StopLine, TypedStops
+from roah_rsbb.referee.stopping import Keyboard, StopLine
 from roah_rsbb.referee.words import BadWord, pick_zone
 from roah_rsbb.wording.stop import NOT_DELIVERED_S, leaving
 from roah_rsbb.wording.texts import escaped
@@ -166,26 +166,19 @@ class Call(NamedTuple):
 
     # -- the keyboard -------------------------------------------------------------------------------
 
-    def keyboard(self, zone: str, always: bool = False, at_end: str = "") -> ContextManager[Optional[Keyboard]]:
+    def keyboard(self, zone: str, always: bool = False, at_end: str = "", begin_s: float = 0.0,
+                 ) -> ContextManager[Optional[Keyboard]]:
         """Return what reads the lines that are typed; None: there is no terminal, and not `always` a reader."""
         if not always and not sys.stdin.isatty():
             return contextlib.nullcontext()
         note = functools.partial(self.output.note, zone)
-        return Keyboard(self._stops(zone, always), functools.partial(note, at_end) if at_end else lambda: None)
+        return Keyboard(self.link, self.output.stop, note, zone, always, at_end, begin_s)
 
-    def slow_keyboard(self) -> ContextManager[Any]:
+    def slow_keyboard(self) -> ContextManager[Optional[Keyboard]]:
         """Return what reads STOP from the terminal while a command waits that reads nothing else."""
-        if self.output.json or not sys.stdin.isatty():
+        if self.output.json:
             return contextlib.nullcontext()
-        zone = getattr(self.options, "zone", None) or ""
-        return Keyboard(self._stops(zone, False), begin_s=SLOW_S, at_begin=functools.partial(self.hint, zone))
-
-    def hint(self, zone: str) -> None:
-        """Say how STOP is typed."""
-        self.output.note(zone, STOP_HINT if zone else STOP_HINT_ALL)
-
-    def _stops(self, zone: str, has_answers: bool) -> TypedStops:
-        return TypedStops(self.link, self.output.stop, functools.partial(self.output.note, zone), zone, has_answers)
+        return self.keyboard(getattr(self.options, "zone", None) or "", begin_s=SLOW_S)
 
     @contextlib.contextmanager
     def confirmed(self, zone: str, lines: Callable[[], List[str]], question: str, how: str, refusal: str):

@@ -72,7 +72,7 @@ def _watch(call: Call) -> Exit:
                 [*view.status(follower.box, now, output.style, zone), ""])
     with call.keyboard(zone or "") as keyboard:
         if keyboard is not None:
-            call.hint(zone or "")
+            keyboard.show_hint()
         while not output.closed:
             for change in follower.step(WATCH_STEP_S):
                 output.change(change)
@@ -226,7 +226,7 @@ def _run(call: Call) -> Exit:
     end = "end of input: other referees must complete manual operations" if is_typed else ""
     with call.keyboard(plan.zone, is_typed, end) as keyboard:
         if keyboard is not None and keyboard.is_terminal:
-            call.hint(plan.zone)
+            keyboard.show_hint()
         outcome = RunScript(link, plan, output.change, keyboard).run()
         _show_outcome(plan.zone, outcome, output)
     return outcome.status

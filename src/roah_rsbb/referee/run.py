@@ -209,6 +209,15 @@ class ScriptOutcome(NamedTuple):
     zone: Optional[ZoneSeen] = None  # before the disconnect; None: there was no run
 
 
+class _Claim(enum.Enum):
+    """What the script knows of the run in its zone."""
+
+    NONE = "no run is its own"
+    ASKED = "a connect was sent, and not answered"
+    UNSURE = "a run is connected since then, which may be another referee's"
+    OURS = "the core confirmed the connect"
+
+
 class _Failed(Exception):
     """The script cannot continue."""
 
@@ -229,9 +238,8 @@ class RunScript:
         self._plan = plan
         self._report = report
         self._follower = BoxFollower(link, plan.zone)
-        self._run = ""  # identity of our run; empty: not connected yet
-        self._is_ours = False  # the core confirmed our connect
-        self._unanswered = False  # a connect was sent, but the core did not answer it
+        self._claim = _Claim.NONE
+        self._run = ""  # identity of the run; empty: not connected yet
         self._may_start = False  # a start was sent, and was not refused
         self._event = self._zone().event
         self._uuid = self._follower.box.box.uuid  # of the core that has our run
@@ -305,9 +313,10 @@ class RunScript:
         zone = self._zone()
         if is_done and zone.phase == IDLE:
             raise _Failed(Exit.REFUSED, "the run did not begin: see the core's log")
-        if not is_done and not self._unanswered:
+        if not is_done and self._claim is _Claim.NONE:
             raise _Failed(Exit.REFUSED, f"another referee was quicker: zone '{zone.zone}' is {zone.phase}")
-        self._run, self._is_ours, self._uuid = zone.identity, is_done, self._follower.box.box.uuid
+        self._claim = _Claim.OURS if is_done else _Claim.UNSURE
+        self._run, self._uuid = zone.identity, self._follower.box.box.uuid
 
     def _start(self) -> bool:
         """Start the run and set the scores; False: a restart of the core lost the run before it was started."""
@@ -316,7 +325,7 @@ class RunScript:
         if zone.identity != self._run:
             if zone.phase == IDLE and self._follower.box.box.uuid != self._uuid:
                 self._note("the core was restarted: connecting again")
-                self._run, self._is_ours = "", False
+                self._run, self._claim = "", _Claim.NONE
                 return False
             raise _Failed(Exit.NOT_COMPLETED, self._how_it_went())
         for item, value in self._scores:
@@ -352,7 +361,7 @@ class RunScript:
                     reasons = tuple(refused.reasons)  # the zone changed since the snapshot
                 except NoCore as error:
                     gone = error  # the core may come back
-                    self._unanswered = self._unanswered or command == "connect"
+                    self._claim = _Claim.ASKED if command == "connect" else self._claim
                     reasons = ("the core does not answer",)
                 else:
                     self._settle()
@@ -430,7 +439,7 @@ class RunScript:
         if self._plan.keep:
             return ScriptOutcome(status, f"{text}; left connected", zone)
         unsure = Exit.NO_CORE if status is Exit.OK else status
-        if not self._is_ours:
+        if self._claim is _Claim.UNSURE:
             return ScriptOutcome(
                 unsure, f"{text}; left connected: the core did not confirm the connect, so the run may be another "
                 "referee's", zone,
@@ -499,7 +508,7 @@ class RunScript:
         """Handle Ctrl-C: stop our run unless it is over, and leave it. A second Ctrl-C ends the script at once."""
         text = "interrupted"
         try:
-            if self._run or self._unanswered:
+            if self._claim is not _Claim.NONE:
                 self._note("interrupted: leaving the run")
                 with contextlib.suppress(NoCore):  # a core that publishes nothing may still obey
                     self._settle()
@@ -522,7 +531,7 @@ class RunScript:
         return self._is_running()
 
     def _left_behind(self) -> str:
-        may_run = self._run or self._unanswered
+        may_run = self._claim is not _Claim.NONE
         return ": THE RUN MAY STILL BE RUNNING, check with 'referee status'" if may_run else ""
 
     # -- shared -------------------------------------------------------------------------------------

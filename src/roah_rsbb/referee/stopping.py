@@ -245,87 +245,34 @@ class Stopping:
         return running
 
 
-class TypedStops:
-    """The STOPs that are typed at prompts. Each begins at once, in its own thread."""
+class Keyboard:
+    """Lines of standard input, read in the background. Use it in a `with` block.
+
+    A line such as "stop", "stop all" or "stop Home A" stops at once, in a thread of its own, whatever the program waits
+    for. It is no answer. At the end of the block, the program waits until each STOP has come to its robots.
+    """
 
     def __init__(
         self, link: Any, report: Callable[[StopLine], None], note: Callable[[str], None], own_zone: str = "",
-        has_answers: bool = True,
+        has_answers: bool = True, at_end: str = "", begin_s: float = 0.0,
     ) -> None:
-        """`link`: see `Stopping`. `note` shows why a STOP was not sent, and `own_zone` is the zone of a "stop" without
-        one. `has_answers`: whether other lines may be answers to questions."""
+        """`link`: see `Stopping`. `note` shows why a STOP was not sent, `at_end` when the input has ended, and how STOP
+        is typed. `own_zone` is the zone of a "stop" without one. `has_answers`: whether other lines may be answers to
+        questions. If the block lasts longer than `begin_s`, that is shown, and reading begins: what is typed before is
+        for the shell."""
         self._link = link
         self._report = report
         self._note = note
         self._own_zone = own_zone
         self._has_answers = has_answers
-        self._threads: List[threading.Thread] = []
-        self.of_own_zone = False  # the zone of this command was stopped, or all zones
-        self.after: Optional[Callable[[], None]] = None  # called after each STOP
-
-    def take(self, line: str) -> bool:
-        """Whether the line is a STOP, which has begun then."""
-        word = stop_wanted(line)
-        if word is None:
-            typed = line.strip()
-            is_like_stop = nearest(typed.partition(" ")[0], STOPS) is not None
-            if typed and (is_like_stop or not self._has_answers):
-                self._note(f"{'NOT STOPPED: ' if is_like_stop else ''}'{typed}' is no command: "
-                           + (STOP_HINT if self._own_zone else STOP_HINT_ALL))
-            return False
-        if is_all(word) or self._own_zone.casefold().startswith(word.casefold()):
-            self.of_own_zone = True
-        # The program may stop its own run itself before the STOP has looked at the zones.
-        stopping = Stopping(self._link, word, self._report, self._own_zone, self._link.document)
-        thread = threading.Thread(target=self._work, args=(stopping,), name="typed stop", daemon=True)
-        self._threads.append(thread)
-        thread.start()
-        return True
-
-    def wake(self) -> None:
-        """Wake the program: something was typed."""
-        self._link.wake()
-
-    def wait(self) -> None:
-        """Wait until all robots have stopped."""
-        for thread in list(self._threads):
-            thread.join()
-
-    def _work(self, stopping: Stopping) -> None:
-        try:
-            stopping.run()
-            for one in stopping.result():
-                if one.refused:
-                    self._note(f"stop {one.zone} was refused: {'; '.join(one.refused)}")
-            if not stopping.result():
-                self._note("no run is in progress")
-        except BadWord as bad:
-            self._note(f"NOT STOPPED: {bad}")
-        after = self.after
-        if after is not None:
-            after()
-
-
-class Keyboard:
-    """Lines of standard input, read in the background. Use it in a `with` block.
-
-    A line such as "stop", "stop all" or "stop Home A" stops at once, whatever the program waits for. It is no answer.
-    At the end of the block, the program waits until each STOP has come to its robots.
-    """
-
-    def __init__(
-        self, stops: TypedStops, at_end: Callable[[], None] = lambda: None, begin_s: float = 0.0,
-        at_begin: Callable[[], None] = lambda: None,
-    ) -> None:
-        """`at_end` is called when the input has ended. If the block lasts longer than `begin_s` seconds, `at_begin` is
-        called, and reading begins: what is typed before is for the shell."""
-        self._stops = stops
         self._at_end = at_end
         self._begin_s = begin_s
-        self._at_begin = at_begin
+        self._after: Optional[Callable[[], None]] = None  # called after each STOP
+        self._stops: List[threading.Thread] = []
         self._is_over = threading.Event()
         self._read: queue.Queue = queue.Queue()
         self.is_terminal = sys.stdin.isatty()
+        self.is_stopped = False  # a STOP was typed for the zone of this program, or for all zones
 
     def __enter__(self) -> "Keyboard":
         if self.is_terminal:
@@ -336,40 +283,81 @@ class Keyboard:
     def __exit__(self, kind: Optional[type], *_error: object) -> None:
         self._is_over.set()
         if kind is not KeyboardInterrupt:
-            self._stops.wait()
+            self.wait()
 
-    @property
-    def is_stopped(self) -> bool:
-        """Whether a STOP was typed for the zone of this program, or for all zones."""
-        return self._stops.of_own_zone
+    def show_hint(self) -> None:
+        """Show how STOP is typed."""
+        self._note(self._hint)
+
+    def wait(self) -> None:
+        """Wait until all robots have stopped."""
+        for thread in list(self._stops):
+            thread.join()
 
     def lines(self) -> List[str]:
         """Return what was typed since the last call."""
         found: List[str] = []
-        while True:
-            try:
+        with contextlib.suppress(queue.Empty):
+            while True:
                 line = self._read.get_nowait()
-            except queue.Empty:
-                return found
-            if line is None:
-                self._at_end()
-            else:
-                found.append(line)
+                if line is not None:
+                    found.append(line)
+                elif self._at_end:
+                    self._note(self._at_end)
+        return found
 
     def answer(self, ask: Callable[[], None]) -> str:
         """Ask, and wait for the next line; empty at the end of the input. Ask again after each STOP."""
         ask()
-        self._stops.after = ask
+        self._after = ask
         try:
             return self._read.get() or ""
         finally:
-            self._stops.after = None
+            self._after = None
+
+    def take(self, line: str) -> bool:
+        """Whether the line is a STOP, which has begun then."""
+        word = stop_wanted(line)
+        if word is None:
+            typed = line.strip()
+            is_like_stop = nearest(typed.partition(" ")[0], STOPS) is not None
+            if typed and (is_like_stop or not self._has_answers):
+                self._note(f"{'NOT STOPPED: ' if is_like_stop else ''}'{typed}' is no command: {self._hint}")
+            return False
+        if is_all(word) or self._own_zone.casefold().startswith(word.casefold()):
+            self.is_stopped = True
+        # The program may stop its own run itself before the STOP has looked at the zones.
+        stopping = Stopping(self._link, word, self._report, self._own_zone, self._link.document)
+        thread = threading.Thread(target=self._stop, args=(stopping,), name="typed stop", daemon=True)
+        self._stops.append(thread)
+        thread.start()
+        return True
+
+    @property
+    def _hint(self) -> str:
+        return STOP_HINT if self._own_zone else STOP_HINT_ALL
+
+    def _stop(self, stopping: Stopping) -> None:
+        try:
+            stopping.run()
+            for one in stopping.result():
+                if one.refused:
+                    self._note(f"stop {one.zone} was refused: {'; '.join(one.refused)}")
+            if not stopping.result():
+                self._note("no run is in progress")
+        except BadWord as bad:
+            self._note(f"NOT STOPPED: {bad}")
+        after = self._after
+        if after is not None:
+            after()
 
     def _work(self) -> None:
-        if self._is_over.wait(self._begin_s):
-            return
-        self._at_begin()
-        while True:
+        if self._begin_s:
+            if self._is_over.wait(self._begin_s):
+                return
+            self.show_hint()
+        line = "?"
+        while line:
             try:
                 line = sys.stdin.readline()
             except OSError:
@@ -377,8 +365,6 @@ class Keyboard:
                 continue
             if not line:
                 self._read.put(None)
-            elif not self._stops.take(line):
+            elif not self.take(line):
                 self._read.put(line.strip())
-            self._stops.wake()
-            if not line:
-                return
+            self._link.wake()

@@ -7,7 +7,7 @@ import pytest
 from helpers.referee_box import box, running_zone, zone
 from roah_rsbb.client.client import Answer
 from roah_rsbb.referee.at_once import Exit, is_all
-from roah_rsbb.referee.stopping import STOP_HINT, Stopping, TypedStops, ZoneStop
+from roah_rsbb.referee.stopping import STOP_HINT, Keyboard, Stopping, ZoneStop
 from roah_rsbb.referee.words import BadWord, stop_wanted
 
 ENDED = {"phase": "ended", "end_reason": "stopped"}
@@ -236,11 +236,11 @@ def test_typed_stops_wait_for_no_other():
     core = StopCore(_running("Home A"), _running("Home B"))
     core.gates["Home A"].clear()
     seen, notes = threading.Event(), []
-    stops = TypedStops(core, lambda line: seen.set() if line.zone == "Home B" and line.way == "stopped" else None,
+    stops = Keyboard(core, lambda line: seen.set() if line.zone == "Home B" and line.way == "stopped" else None,
                        notes.append, "Home A")
-    assert not stops.take("no") and not stops.of_own_zone
-    assert stops.take("stop home b") and not stops.of_own_zone
-    assert stops.take("stop") and stops.of_own_zone
+    assert not stops.take("no") and not stops.is_stopped
+    assert stops.take("stop home b") and not stops.is_stopped
+    assert stops.take("stop") and stops.is_stopped
     assert seen.wait(LIMIT_S)
     assert core.box.zones["Home A"].phase == "running"
     core.gates["Home A"].set()
@@ -262,7 +262,7 @@ def test_a_line_that_is_no_stop_is_answered_if_nothing_else_reads_it_or_a_stop_w
         line, with_answers, alone):
     for has_answers, begin in ((True, with_answers), (False, alone)):
         notes = []
-        assert not TypedStops(StopCore(), None, notes.append, "Hall", has_answers).take(line)
+        assert not Keyboard(StopCore(), None, notes.append, "Hall", has_answers).take(line)
         assert notes == ([f"{begin} no command: {STOP_HINT}"] if begin else [])
 
 
@@ -280,8 +280,8 @@ def test_a_run_that_its_program_stopped_first_is_shown_as_stopped():
 @pytest.mark.parametrize("line, is_own", [("stop", True), ("stop all", True), ("stop home", True), ("stop B", False)])
 def test_whether_the_programs_own_run_was_stopped(line, is_own):
     core = StopCore(_running("Home A"), _running("B"))
-    stops = TypedStops(core, lambda line: None, lambda text: None, "Home A")
+    stops = Keyboard(core, lambda line: None, lambda text: None, "Home A")
     stops.take(line)
     stops.wait()
-    assert stops.of_own_zone is is_own
+    assert stops.is_stopped is is_own
     assert (core.box.zones["Home A"].phase == "ended") is is_own
