@@ -119,10 +119,10 @@ def test_the_panel_has_a_button_and_a_form(tree):
         row.buttons["extend"].click()
         action = pressed[0]
         form = ActionForm(None, action, what_text(action, "Home"), entered(action.fields), given.append)
-        form.editors["seconds"].setValue(90)
+        form.inside.editors["seconds"].setValue(90)
         form.yes.click()
-        problem = form.problem.text()
-        form.editors["reason"].setText("the door")
+        problem = form.inside.problem.text()
+        form.inside.editors["reason"].setText("the door")
         form.yes.click()
         who = Choice("who", say("Who"), required=False, choices=("team", "jury"))
         other = ActionForm(None, action, "Who", (who,), given.append)

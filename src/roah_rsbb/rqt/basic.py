@@ -311,8 +311,8 @@ class FittedText(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self._text = ""
-        self._tone: Optional[Tone] = None
-        self._framed = False
+        self.tone: Optional[Tone] = None
+        self.framed = False
         self.setSizePolicy(QSizePolicy.Expanding, QSizePolicy.Expanding)
 
     def text(self) -> str:
@@ -327,8 +327,8 @@ class FittedText(QWidget):
 
     def set_tone(self, tone: Optional[Tone], framed: bool = False) -> None:
         """Show the text in these colours, perhaps in a frame; None: in the usual ones."""
-        if (tone, framed) != (self._tone, self._framed):
-            self._tone, self._framed = tone, framed
+        if (tone, framed) != (self.tone, self.framed):
+            self.tone, self.framed = tone, framed
             self.update()
 
     def sizeHint(self) -> QSize:
@@ -341,11 +341,11 @@ class FittedText(QWidget):
         painter = QPainter(self)
         painter.setFont(self.fitted_font())
         painter.setPen(self.palette().color(QPalette.WindowText))
-        if self._tone is not None:
-            edge = round(0.4 * em()) if self._framed else 0
+        if self.tone is not None:
+            edge = round(0.4 * em()) if self.framed else 0
             painter.fillRect(self.rect(), Qt.black)
-            painter.fillRect(self.rect().adjusted(edge, edge, -edge, -edge), QColor(self._tone.background))
-            painter.setPen(QColor(self._tone.text))
+            painter.fillRect(self.rect().adjusted(edge, edge, -edge, -edge), QColor(self.tone.background))
+            painter.setPen(QColor(self.tone.text))
         painter.drawText(self.rect(), Qt.AlignCenter, self._text)
 
     def fitted_font(self) -> QFont:

@@ -225,9 +225,9 @@ class StopStrip(QWidget):
         super().__init__()
         self._model = model
         self._stops = stops
-        self._failed: Optional[Tuple[str, float]] = None
+        self.failed: Optional[Tuple[str, float]] = None
         self._contacts = 0  # of fingers, beside the buttons
-        self._said: Tuple[str, float] = ("", 0.0)  # a hint, and until when it is shown
+        self.said: Tuple[str, float] = ("", 0.0)  # a hint, and until when it is shown
         self.setObjectName("stop strip")
         self.setAttribute(Qt.WA_AcceptTouchEvents)
         self.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Fixed)
@@ -326,10 +326,10 @@ class StopStrip(QWidget):
             if must_act and self._is_narrow():
                 text = "   ".join(text_of(one)[0] for one in sent)  # the second line is not visible
             return text, basic.ALARM if must_act else basic.IDLE
-        if now < self._said[1]:
-            return self._said[0], basic.OLD
-        if self._failed is not None and now < self._failed[1]:
-            return tr(FAILED, part=self._failed[0]), basic.ALARM
+        if now < self.said[1]:
+            return self.said[0], basic.OLD
+        if self.failed is not None and now < self.failed[1]:
+            return tr(FAILED, part=self.failed[0]), basic.ALARM
         if is_done:
             return text_of(sent[0])[0], basic.RUNNING
         if self._model.is_replay:
@@ -366,11 +366,11 @@ class StopStrip(QWidget):
         line.setToolTip(basic.tip(text))
 
     def _say(self, text: str) -> None:
-        self._said = (text, time.monotonic() + SAID_S)
+        self.said = (text, time.monotonic() + SAID_S)
         self.refresh()
 
     def _on_failure(self, part: str) -> None:
-        self._failed = (part, time.monotonic() + FAILURE_S)
+        self.failed = (part, time.monotonic() + FAILURE_S)
 
     def eventFilter(self, window: QObject, event: QEvent) -> bool:
         """Say why the window does not become smaller."""

@@ -73,10 +73,10 @@ class StopWindow(QWidget):
         self.heading = basic.FilledLabel()
         self.heading.setFixedHeight(round(HEADING_HIGH_EMS * basic.em()))
         self.heading.setMinimumWidth(round(WIDE_EMS * basic.em()))
-        self._x = QToolButton(text="✕")
-        self._x.clicked.connect(self._close)
+        self.close_button = QToolButton(text="✕")
+        self.close_button.clicked.connect(self._close)
         self._grid.addWidget(self.heading, 0, 0, 1, COLUMNS - 1)
-        self._grid.addWidget(self._x, 0, COLUMNS - 1, Qt.AlignRight)
+        self._grid.addWidget(self.close_button, 0, COLUMNS - 1, Qt.AlignRight)
         model.updated.connect(self.refresh)
         model.ticked.connect(self.refresh)
         stops.changed.connect(self.refresh)
@@ -116,8 +116,8 @@ class StopWindow(QWidget):
         if not self.isVisible():
             self._appear()
         with process.reported(tr("The line beside STOP")):
-            self._x.setEnabled(not is_lost)
-            self._x.setToolTip(basic.tip(tr(STAYS_TIP if is_lost else CLOSE_TIP)))
+            self.close_button.setEnabled(not is_lost)
+            self.close_button.setToolTip(basic.tip(tr(STAYS_TIP if is_lost else CLOSE_TIP)))
             self._show_ways(running, sent)
 
     def _go(self) -> None:

@@ -156,38 +156,29 @@ class TestEnds(unittest.TestCase):
         self.assertEqual(program.wait_ended(), 0, program.text)
         self.assertNotIn("Traceback", program.text)
 
-    def close_and_assert_end(self, program: Program) -> None:
-        """Close the only window that is open, once it is."""
-        wait_until(lambda: close_all_windows() or program.ended_mono, lambda: f"it is closed: {program.text}")
-        self.assert_ends(program)
-
-    def test_it_leaves_a_master_that_answers(self) -> None:
-        terminated, interrupted, closed = self.open(self.WINDOW, self.CLIENT, self.WINDOW)
+    def assert_all_end(self, terminated: Program, interrupted: Program, closed: Program) -> None:
         terminated.signal(signal.SIGTERM)
         interrupted.signal(signal.SIGINT)
         self.assert_ends(terminated)
         self.assert_ends(interrupted)
-        self.close_and_assert_end(closed)
+        # Now it is the only one that has a window.
+        wait_until(lambda: close_all_windows() or closed.ended_mono, lambda: f"it is closed: {closed.text}")
+        self.assert_ends(closed)
+
+    def test_it_leaves_a_master_that_answers(self) -> None:
+        self.assert_all_end(*self.open(self.WINDOW, self.CLIENT, self.WINDOW))
         self.assertEqual(self.listeners(), [])
 
     def test_it_does_not_wait_for_a_master_that_hangs(self) -> None:
-        terminated, interrupted, closed = self.open(self.CLIENT, self.WINDOW, self.WINDOW)
+        programs = self.open(self.CLIENT, self.WINDOW, self.WINDOW)
         starting = Program(own("panel"), "window", "__name:=starting", ROS_MASTER_URI=self.uri)
         self.addCleanup(starting.close)
         self.master.signal(signal.SIGSTOP)
-        terminated.signal(signal.SIGTERM)
-        interrupted.signal(signal.SIGINT)
-        self.assert_ends(terminated)
-        self.assert_ends(interrupted)
-        self.close_and_assert_end(closed)
+        self.assert_all_end(*programs)
         starting.signal(signal.SIGTERM)
         starting.wait_ended()
 
     def test_it_does_not_wait_for_a_master_that_is_gone(self) -> None:
-        terminated, interrupted, closed = self.open(self.CLIENT, self.WINDOW, self.WINDOW)
+        programs = self.open(self.CLIENT, self.WINDOW, self.WINDOW)
         self.master.kill()
-        terminated.signal(signal.SIGTERM)
-        interrupted.signal(signal.SIGINT)
-        self.assert_ends(terminated)
-        self.assert_ends(interrupted)
-        self.close_and_assert_end(closed)
+        self.assert_all_end(*programs)

@@ -109,7 +109,7 @@ class TestManualOperation(PanelCase):
         self.core.refuse = "that manual operation is over"
         self.ask(7, "Place it")
         click(self.panel.buttons[0])
-        wait_until(lambda: "that manual operation is over" in self.panel._answer.text(), "the failure is shown")
+        wait_until(lambda: "that manual operation is over" in self.panel.answer.text(), "the failure is shown")
         self.core.refuse = None
         click(self.panel.buttons[0])
         wait_until(lambda: self.panel.text.text() == operations.NOTHING, "it is done")
@@ -166,7 +166,7 @@ class TestOmfSwitches(PanelCase):
         self.zone.switches = set()
         self.core.refuse = "there is no switch 10"
         click(self.panel.switches[9])
-        wait_until(lambda: "there is no switch 10" in self.panel._answer.text(), "the reason is shown")
+        wait_until(lambda: "there is no switch 10" in self.panel.answer.text(), "the reason is shown")
 
 
 class TestScoreValue(PanelCase):

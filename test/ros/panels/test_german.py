@@ -153,7 +153,7 @@ class TestGerman(WindowCase):
         panel = self.panel(name)
         self.window.docks[name].raise_()
         wait_until(lambda: not panel.visibleRegion().isEmpty(), f"{name} is in front")
-        wait_until(lambda: "live" in panel._news.text(), f"{name} shows the core")
+        wait_until(lambda: "live" in panel.news.text(), f"{name} shows the core")
 
     def test_before_during_and_after_a_run(self) -> None:
         self.look_at_all()

@@ -54,6 +54,16 @@ class _AtAllSizes(WindowCase):
 
         wait_until(lambda: not cut(), lambda: f"at {size[0]}x{size[1]}, scale {SCALE}, all is in sight but {cut()}")
 
+    def assert_sheet_and_commands_in_sight(self, size, items: int, **more: QWidget) -> None:
+        rows = {f"item {row.text.text()}": row for row in self.scoring.rows.values()}
+        self.assertEqual(len(rows), items)
+        self.assert_in_sight(
+            size, stop=self.window.strip.stop, stop_all=self.window.strip.stop_all,
+            running=self.panel("OverviewPanel").head, phase=self.control.phase, run_time=self.control.times.main,
+            goal_time=self.control.times.goal, reason=self.control.reason, **rows,
+            **{f"buttons of {name}": row.menu_button for name, row in rows.items()},
+            **{f"command {name}": button for name, button in self.control.buttons.items()}, **more)
+
 
 class TestInSight(_AtAllSizes):
     """All that counts before and during a run."""
@@ -70,22 +80,11 @@ class TestInSight(_AtAllSizes):
         self.zone.goal = RunClock(goal=1)
         wait_until(self.control.times.goal.isVisible, "the goal's time is shown")
         for size in self.at_all_sizes():
-            self.every_item_and_every_command_is_in_sight(size)
+            undo = {f"undo {number}": button for number, button in enumerate(self.scoring.undo.buttons)}
+            self.assert_sheet_and_commands_in_sight(
+                size, 9, zone=self.control.zones, referee=self.scoring.referee, answer=self.scoring.answer, **undo)
             wait_until(lambda: not self.cut(), lambda size=size: f"no text is cut off at {size}, as {self.cut()}")
         self.disqualifying_items_do_not_scroll_away()
-
-    def every_item_and_every_command_is_in_sight(self, size) -> None:
-        parts = {f"item {row.text.text()}": row for row in self.scoring.rows.values()}
-        parts.update({f"buttons of {name}": row.menu_button for name, row in parts.items()})
-        parts.update({f"undo {number}": button for number, button in enumerate(self.scoring.undo.buttons)})
-        parts.update({f"command {name}": button for name, button in self.control.buttons.items()})
-        overview, strip = self.panel("OverviewPanel"), self.window.strip
-        self.assert_in_sight(
-            size, stop=strip.stop, stop_all=strip.stop_all, running=overview.head, phase=self.control._phase,
-            run_time=self.control.times.main, goal_time=self.control.times.goal, reason=self.control.reason,
-            zone=self.control._zones, referee=self.scoring.referee, answer=self.scoring._answer,
-            **parts)
-        self.assertEqual(len(self.scoring.rows), 9)
 
     def cut(self) -> list:
         """The texts of items that are cut off."""
@@ -152,15 +151,7 @@ class TestFunctionalityInSight(_AtAllSizes):
         scores = self.scoring.module_scores
         wait_until(lambda: scores.isVisible() and self.control.times.goal.isVisible(), "the module's scores are shown")
         for size in self.at_all_sizes():
-            parts = {f"item {row.text.text()}": row for row in self.scoring.rows.values()}
-            parts.update({f"buttons of {name}": row.menu_button for name, row in parts.items()})
-            parts.update({f"command {name}": button for name, button in self.control.buttons.items()})
-            overview, strip = self.panel("OverviewPanel"), self.window.strip
-            self.assert_in_sight(
-                size, stop=strip.stop, stop_all=strip.stop_all, running=overview.head, phase=self.control._phase,
-                run_time=self.control.times.main, goal_time=self.control.times.goal, reason=self.control.reason,
-                scores=scores.verticalScrollBar(), **parts)
-            self.assertEqual(len(self.scoring.rows), 3)
+            self.assert_sheet_and_commands_in_sight(size, 3, scores=scores.verticalScrollBar())
             run_time, goal_time = (figure.figure for figure in (self.control.times.main, self.control.times.goal))
             between = goal_time.mapToGlobal(QPoint()).x() - run_time.mapToGlobal(QPoint(run_time.width(), 0)).x()
             self.assertGreaterEqual(between, basic.em(), "the two times are not read as one")

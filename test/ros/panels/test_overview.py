@@ -38,18 +38,6 @@ class TestOverview(PanelCase):
             zone.command("start")
         wait_until(lambda: "Home A, Home B" in self.panel.head.text(), "both are running")
 
-    @property
-    def prompt(self) -> str:
-        """Return the text of the prompt above all windows."""
-        prompt = self.client.keys.prompt
-        return prompt.text() if prompt.isVisible() else ""
-
-    def press(self) -> None:
-        """The keys of the stop for all zones."""
-        QTest.keyClick(self.panel.windowHandle(), Qt.Key_Escape, Qt.ShiftModifier)
-        pressed = time.monotonic()
-        wait_until(lambda: time.monotonic() - pressed > 0.15, "the key has stopped bouncing")
-
     # -- showing ------------------------------------------------------------------------------------
 
     def test_each_zone_is_shown_with_its_phase_team_and_countdown(self) -> None:
@@ -130,10 +118,10 @@ class TestOverview(PanelCase):
             return self.tile.name.font().pointSizeF()
 
         show(self.panel, 1300, 740)
-        wait_until(lambda: not self.panel.tiles["Home A"]._compact, "there is room")
+        wait_until(lambda: not self.panel.tiles["Home A"].compact, "there is room")
         large = size()
         show(self.panel, 380, 230)
-        wait_until(lambda: self.tile._compact, "there is little room")
+        wait_until(lambda: self.tile.compact, "there is little room")
         self.assertGreater(large, 1.5 * size())
         wait_until(lambda: "TestingTeam" in self.tile.name.text(), "the team is still there")
         self.assertFalse(self.tile.event.isVisible())
@@ -143,21 +131,6 @@ class TestOverview(PanelCase):
         self.assertEqual(best_arrangement(4, 60.0, 13.0), TileArrangement(2, 1.1))
         self.assertEqual(best_arrangement(1, 900.0, 900.0).factor, overview.MOST)
         self.assertEqual(best_arrangement(9, 10.0, 10.0), TileArrangement(1, overview.LEAST, compact=True))
-
-    # -- stopping -----------------------------------------------------------------------------------
-
-    def test_the_key_pressed_twice_stops_all(self) -> None:
-        self.run_both()
-        self.press()
-        self.assertIn("Press Shift+Esc again", self.prompt)
-        self.assertEqual(self.core.calls, [])
-        self.press()
-        self.wait_call("stop_run", "Home A")
-        self.wait_call("stop_run", "Home B")
-
-    def test_the_key_says_why_it_does_nothing(self) -> None:
-        self.press()
-        self.assertIn("No zone is running", self.prompt)
 
 
 class TestDevices(PanelCase):
@@ -245,11 +218,11 @@ class TestDevices(PanelCase):
     def test_a_failed_call_is_shown_and_the_widget_goes_back(self) -> None:
         self.devices.refuse = "the blinds are stuck"
         click(self.rows["blinds"].commands[1])
-        wait_until(lambda: "the blinds are stuck" in self.panel._answer.text(), "the failure is shown")
-        self.assertIn("Blinds: 100 % failed", self.panel._answer.text())
+        wait_until(lambda: "the blinds are stuck" in self.panel.answer.text(), "the failure is shown")
+        self.assertIn("Blinds: 100 % failed", self.panel.answer.text())
         wait_until(lambda: self.rows["blinds"].slider.value() == 0, "it goes back")
         click(self.rows["switch_1"].commands[0])
-        wait_until(lambda: "Switch 1: 1 failed" in self.panel._answer.text(), "this one failed, too")
+        wait_until(lambda: "Switch 1: 1 failed" in self.panel.answer.text(), "this one failed, too")
         self.assertEqual(self.rows["switch_1"].state.text(), "○ off")
 
     def test_quick_clicks_arrive_in_order(self) -> None:
@@ -292,7 +265,7 @@ class TestDevices(PanelCase):
 
     def test_they_do_not_depend_on_the_core(self) -> None:
         self.fall_silent()
-        wait_until(lambda: "OLD" in self.panel._news.text(), "the core is silent")
+        wait_until(lambda: "OLD" in self.panel.news.text(), "the core is silent")
         click(self.rows["switch_1"].commands[0])
         self.wait_set("switch_1", True)
         wait_until(lambda: self.rows["switch_1"].state.text() == "● ON", "it is shown")

@@ -42,7 +42,7 @@ class TestPagesButton(PanelCase):
         first = self.panel.nextInFocusChain()
         while not (first.focusPolicy() & Qt.TabFocus and first.isEnabled()):
             first = first.nextInFocusChain()
-        self.assertIs(first, self.panel._zones, "a stray space bar does not open it")
+        self.assertIs(first, self.panel.zones, "a stray space bar does not open it")
         self.client.referee.set("Anna & Ben")
         parts = {action.text(): part for action, part in zip(self.button.menu().actions(), benchmark_control.PARTS)}
         self.assertEqual(list(parts), ["Results, history, judges", "Schedule", "Pair phones and tablets"])
@@ -52,21 +52,21 @@ class TestPagesButton(PanelCase):
             wait_until(lambda url=url: self.opened[-1:] == [url], lambda: f"it is opened: {self.opened}")
         self.assertEqual(self.asked, [("organiser", "")] * 3)
         self.wait_answered()
-        self.assertEqual(self.panel._answer.text(), " ")
+        self.assertEqual(self.panel.answer.text(), " ")
 
     def test_without_a_browser_it_says_what_to_open(self) -> None:
         self.serve()
         self.has_browser = False
         self.press("Schedule")
         wait_until(lambda: "Open http://192.0.2.1:8081/pair in one, and type the code ABCD-EFGH" in
-                   self.panel._answer.text(), "the address and the code are shown")
+                   self.panel.answer.text(), "the address and the code are shown")
 
     def test_pages_that_are_gone_turn_it_off(self) -> None:
         self.serve()
         for name in ("paired", "pair"):
             self.core.add_call(name, self.core_without_pages)
         self.press("Schedule")
-        wait_until(lambda: not self.button.isEnabled() and NO_WEB in self.panel._answer.text(), "it is off")
+        wait_until(lambda: not self.button.isEnabled() and NO_WEB in self.panel.answer.text(), "it is off")
 
     @staticmethod
     def core_without_pages(given: Mapping[str, Any], caller: Caller) -> Any:

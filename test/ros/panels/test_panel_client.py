@@ -27,11 +27,12 @@ from support.gui_testing import (
     answer,
     click,
     limit,
+    opened,
     question,
     show,
     wait_until,
 )
-from support.panel_case import CoreCase
+from support.panel_case import CoreCase, Settings
 
 from roah_rsbb.box.configuration import Reloaded
 from roah_rsbb.document.calls import Caller
@@ -115,12 +116,12 @@ class TestReplay(CoreCase):
     def test_every_panel_is_marked_until_a_live_core_is_heard(self) -> None:
         panels = [self.open(kind) for kind in (LogDisplayPanel, CoreStatusPanel)]
         for panel in panels:
-            wait_until(lambda panel=panel: panel._news.text() == "▶ REPLAY: not live", "the panel is marked")
+            wait_until(lambda panel=panel: panel.news.text() == "▶ REPLAY: not live", "the panel is marked")
             self.assertEqual(panel.windowTitle(), f"REPLAY – {panel.TITLE}")
         self.core.close()
         self.core = FakeCore()
         for panel in panels:
-            wait_until(lambda panel=panel: panel._news.text() == "● live", "the mark is gone")
+            wait_until(lambda panel=panel: panel.news.text() == "● live", "the mark is gone")
             self.assertEqual(panel.windowTitle(), panel.TITLE)
 
     def test_the_run_is_shown_as_running_and_nothing_can_be_changed(self) -> None:
@@ -322,35 +323,31 @@ class TestPanels(CoreCase):
         self.core.add_call("reload", reload)
         panel = self.open(CoreStatusPanel)
 
-        def dialog() -> ReloadDialog:
-            wait_until(lambda: any(d.isVisible() for d in panel.findChildren(ReloadDialog)), "a dialog is open")
-            return next(d for d in panel.findChildren(ReloadDialog) if d.isVisible())
-
         def press_reload() -> None:
             wait_until(panel.reload.isEnabled, "the button is on")
             click(panel.reload)
 
         press_reload()
-        wrong = dialog()
+        wrong = opened(ReloadDialog)
         self.assertEqual(wrong.lines.toPlainText().splitlines(), answers[0]["errors"])
-        self.assertFalse(hasattr(wrong, "apply"))
+        self.assertIsNone(wrong.yes)
         wrong.reject()
         wait_until(lambda: not panel.findChildren(ReloadDialog), "it is closed")
         press_reload()
-        listed = dialog()
+        listed = opened(ReloadDialog)
         self.assertEqual(listed.lines.toPlainText(), "team 'Late': added\nWarning: passwords.yaml: readable")
         self.assertEqual(asked, ["", ""])
-        click(listed.apply)
-        wait_until(lambda: "✔ Reload: done" in panel._answer.text(), "it is applied")
+        click(listed.yes)
+        wait_until(lambda: "✔ Reload: done" in panel.answer.text(), "it is applied")
         self.assertEqual(asked, ["", "", "d1"])
         press_reload()
-        wait_until(lambda: "what is in force" in panel._answer.text(), "nothing differs")
+        wait_until(lambda: "what is in force" in panel.answer.text(), "nothing differs")
 
     def test_exit_without_its_service_says_so(self) -> None:
         panel = self.open(CoreStatusPanel)
         click(panel.exit)
         answer(question(), QMessageBox.AcceptRole)
-        wait_until(lambda: "Exit failed" in panel._answer.text() and panel._answer.isVisible(), "the failure is shown")
+        wait_until(lambda: "Exit failed" in panel.answer.text() and panel.answer.isVisible(), "the failure is shown")
 
 
 class _Context(QObject):
@@ -366,16 +363,6 @@ class _Context(QObject):
     def add_widget(self, widget) -> None:
         self.widgets.append(widget)
         show(widget)
-
-
-class _Settings(dict):
-    """rqt's settings; they come back as texts."""
-
-    def set_value(self, key, value) -> None:
-        self[key] = str(value).lower()
-
-    def value(self, key, default=None):
-        return self.get(key, default)
 
 
 def _load_rqt() -> None:
@@ -400,12 +387,12 @@ class TestPlugins(CoreCase):
             opened.append(plugin)
             label = element.findtext("qtgui/label")
             self.assertEqual(plugin.panel.windowTitle(), f"{label} (2)")
-            settings = _Settings()
-            plugin.save_settings(_Settings(), settings)
-            plugin.restore_settings(_Settings(), settings)
+            settings = Settings()
+            plugin.save_settings(Settings(), settings)
+            plugin.restore_settings(Settings(), settings)
         self.assertEqual({type(plugin.panel) for plugin in opened}, set(map(load, PANELS)))
         self.assertIs(sys.excepthook, logs_failures)
-        wait_until(lambda: all("live" in plugin.panel._news.text() for plugin in opened), "all of them show the core")
+        wait_until(lambda: all("live" in plugin.panel.news.text() for plugin in opened), "all of them show the core")
         self.assertEqual(dict(rosgraph.Master("/t").getSystemState()[1])["/devices/state"], [rospy.get_name()])
         for plugin in opened:
             plugin.shutdown_plugin()
@@ -415,7 +402,7 @@ class TestPlugins(CoreCase):
         wait_until(lambda: "/devices/state" not in dict(rosgraph.Master("/t").getSystemState()[1]), "it has left")
 
     def test_following_is_kept(self) -> None:
-        panel, settings = self.open(LogDisplayPanel), _Settings()
+        panel, settings = self.open(LogDisplayPanel), Settings()
         panel.follow.setChecked(False)
         panel.save_settings(settings)
         panel.follow.setChecked(True)
@@ -429,7 +416,7 @@ class TestWindow(CoreCase):
             settings = QSettings(f"{folder}/window.ini", QSettings.IniFormat)
             window = Window(WindowNode(), settings)
             show(window, 1200, 700)
-            wait_until(lambda: "live" in window.panels["ScoringPanel"]._news.text(), "the core is shown")
+            wait_until(lambda: "live" in window.panels["ScoringPanel"].news.text(), "the core is shown")
             self.assertTrue(all(dock.isVisible() or window.tabifiedDockWidgets(dock) for dock in window.docks.values()))
             window.docks["TabletStatusPanel"].hide()
             window.panels["LogDisplayPanel"].follow.setChecked(False)

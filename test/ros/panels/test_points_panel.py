@@ -3,7 +3,7 @@
 from decimal import Decimal
 
 from support.fakes.core import FakeCore
-from support.gui_testing import QApplication, QTest, click, wait_until
+from support.gui_testing import QTest, click, opened, wait_until
 from support.panel_case import PanelCase
 from support.window_case import WindowCase, in_sight
 
@@ -23,15 +23,6 @@ WATER = ScoringItem("Penalties", "Water on the floor (l)", ScoreKind.DECIMAL, De
 SHOW = ScoringItem("Jury", "Presentation", ScoreKind.RATING, Decimal(2), Decimal(0), Decimal(10),
                    judges=("Anna", "Ben", "Chris"), jury=JuryResult.MEDIAN)
 ITEMS = (OBJECTS, EMPTY, OPENS, HEIGHT, DROPS, WATER, SHOW)
-
-
-def opened(kind: type):
-    """The dialog of that kind, once it is shown."""
-    def found():
-        return [widget for widget in QApplication.topLevelWidgets() if isinstance(widget, kind) and widget.isVisible()]
-
-    wait_until(found, "the dialog is shown")
-    return found()[0]
 
 
 class TestPoints(PanelCase):
@@ -81,9 +72,9 @@ class TestPoints(PanelCase):
     def test_a_whole_number_is_typed_with_any_minus(self) -> None:
         self.row(HEIGHT).with_note.trigger()
         dialog = opened(ScoreDialog)
-        dialog.number.selectAll()
-        dialog.number.lineEdit().insert("−2")  # QTest has no such key
-        self.assertEqual(dialog.number.value(), -2)
+        dialog.field.selectAll()
+        dialog.field.lineEdit().insert("−2")  # QTest has no such key
+        self.assertEqual(dialog.field.value(), -2)
         dialog.reject()
 
     def test_one_of_several_is_chosen(self) -> None:

@@ -30,7 +30,7 @@ class TestCollapse(WindowCase):
         self.assertTrue(self.log.is_collapsed)
         self.assertFalse(self.overview.tiles["Home A"].isVisible())
         self.zone.command("stop")
-        wait_until(lambda: "ENDED" in self.control._phase.text(), "the run has ended")
+        wait_until(lambda: "ENDED" in self.control.phase.text(), "the run has ended")
         self.assertTrue(self.overview.is_collapsed)
         updated, again = self.client.model.updated, []
 
@@ -83,8 +83,8 @@ class TestCollapse(WindowCase):
     def test_what_runs_can_be_read_while_the_core_is_silent(self) -> None:
         self.run_zone()
         self.fall_silent()
-        wait_until(lambda: self.overview._news.text() == "⚠", "the overview is marked as old")
-        self.assertIn("OLD", self.overview._news.toolTip())
+        wait_until(lambda: self.overview.news.text() == "⚠", "the overview is marked as old")
+        self.assertIn("OLD", self.overview.news.toolTip())
         settle(self.window)
         self.assertEqual(self.overview.head.shown(), "(▶ RUNNING: Home A)")
 
@@ -141,7 +141,7 @@ class TestKeys(WindowCase):
             seen.append(widget)
             press_key("Tab")
         rows = list(self.scoring.rows.values())
-        controls = [row.toggle if row._is_bool else row.more for row in rows]
+        controls = [getattr(row, "toggle", None) or row.more for row in rows]
         places = [seen.index(control) for control in controls]
         self.assertEqual(places, sorted(places), "in the order of the sheet")
         first.setFocus(Qt.TabFocusReason)
@@ -165,7 +165,7 @@ class TestKeys(WindowCase):
         stop.setFocus(Qt.TabFocusReason)
         for _ in range(2):
             press_key("space")
-        wait_until(lambda: "ENDED" in self.control._phase.text(), "the run has ended")
+        wait_until(lambda: "ENDED" in self.control.phase.text(), "the run has ended")
         self.assertEqual({call for call in self.core.calls if call[0] != "score"}, {("stop_run", "Home A")})
         self.assertIs(QApplication.focusWidget(), stop)
 
@@ -232,7 +232,7 @@ class TestUndo(WindowCase):
         self.zone.mark(Mark(*BUMPS, 1), "Anna")
         wait_until(lambda: self.scoring.undo.buttons, "the mark is shown")
         self.assertFalse(self.scoring.undo.buttons[0].isEnabled())
-        self.scoring.undo._places[0].held.start(0)  # that time is over
+        self.scoring.undo.places[0].held.start(0)  # that time is over
         wait_until(self.scoring.undo.buttons[0].isEnabled, "it can be undone a moment later")
 
     def test_equal_numbers_of_another_run_are_other_marks(self) -> None:
@@ -249,7 +249,7 @@ class TestUndo(WindowCase):
         show("Home B")
         show("Home A")
         limit(self, basic, "HOLD_MS", round(1000 * LONG_S))
-        undo._places[0].held.start(0)
+        undo.places[0].held.start(0)
         wait_until(undo.buttons[0].isEnabled, "it can be undone")
         self.client.model.choose_zone("Home B")
         self.assertEqual(len(undo.buttons), 1)
@@ -287,10 +287,10 @@ class TestTimes(WindowCase):
         self.assertFalse(times.goal.isVisible())
         self.assertEqual(times.main.label.text(), "Run: time left")
         self.zone.pause("manual operation")
-        wait_until(lambda: "PAUSED: manual operation" in self.control._phase.text(), "the pause is shown")
+        wait_until(lambda: "PAUSED: manual operation" in self.control.phase.text(), "the pause is shown")
         self.assertIn("PAUSED", self.panel("OverviewPanel").tiles["Home A"]._phase_text)
         self.zone.pause("")
-        wait_until(lambda: "RUNNING" in self.control._phase.text(), "the run continues")
+        wait_until(lambda: "RUNNING" in self.control.phase.text(), "the run continues")
         self.after_the_end_the_final_time_is_the_largest_figure()
 
     def after_the_end_the_final_time_is_the_largest_figure(self) -> None:
@@ -311,7 +311,7 @@ class TestTimes(WindowCase):
         self.run_zone()
         self.core.pass_time(EVENTS[0][4] - 500.0)
         main = self.control.times.main
-        wait_until(lambda: main.figure._tone is basic.OLD, "it is amber")
-        self.assertFalse(main.figure._framed)
+        wait_until(lambda: main.figure.tone is basic.OLD, "it is amber")
+        self.assertFalse(main.figure.framed)
         self.core.pass_time(250.0)
-        wait_until(lambda: main.figure._framed and "LAST SECONDS" in main.label.text(), "it has a frame and words")
+        wait_until(lambda: main.figure.framed and "LAST SECONDS" in main.label.text(), "it has a frame and words")

@@ -89,14 +89,26 @@ class StripCase(WindowCase):
     def stops_of(self, zone: str) -> int:
         return self.core.calls.count(("stop_run", zone))
 
-    def start(self, zone: str = "Home A") -> None:
-        """A run is in progress in a zone."""
-        if self.core.zones[zone].phase == "ended":
-            self.core.zones[zone].command("disconnect")
-        if self.core.zones[zone].phase == "idle":
-            self.core.zones[zone].command("connect", "start")
-        wait_until(lambda: zone in self.client.model.running_zones()
-                   and self.client.model.identity_of(zone) == self.core.zones[zone].identity, "this run is in progress")
+    def start(self, *zones: str) -> None:
+        """Runs are in progress in these zones, or in the first one."""
+        for zone in zones or ("Home A",):
+            found = self.core.zones[zone]
+            if found.phase == "ended":
+                found.command("disconnect")
+            if found.phase == "idle":
+                found.command("connect", "start")
+            wait_until(lambda zone=zone, found=found: zone in self.client.model.running_zones()
+                       and self.client.model.identity_of(zone) == found.identity, "this run is in progress")
+
+    def small_stop(self) -> stop_window.StopWindow:
+        """Another program is in front, and the small STOP is on the screen."""
+        give_focus_away()
+        wait_until(self.client.stop_window.isVisible, "it is on the screen")
+        return self.client.stop_window
+
+    def shown(self, text: str) -> None:
+        """The strip shows this of a STOP."""
+        wait_until(lambda: text in self.strip.way.whole, lambda: f"'{text}' is shown, not '{self.strip.way.whole}'")
 
     def press_stop(self, zone: str = "Home A") -> None:
         """One click where STOP is drawn stops the run of that zone."""
@@ -106,12 +118,21 @@ class StripCase(WindowCase):
         wait_until(lambda: self.stops_of(zone) > before, lambda: f"{zone} is stopped by one click: {self.core.calls}")
         wait_until(lambda: self.core.zones[zone].phase == "ended", "the run has ended")
 
+    def forget_stops(self) -> None:
+        """It is so long ago that no STOP is shown any more."""
+        def are_gone() -> bool:
+            for one in self.client.stops.sent():
+                one.until_mono = 0.0
+            return not self.client.stops.sent()
+
+        wait_until(are_gone, "no STOP is shown")
+
     def press_in_vain(self) -> None:
         """A click where STOP is drawn stops nothing, and the strip says why."""
         before = len(self.core.calls)
-        self.strip._said = ("", 0.0)
+        self.strip.said = ("", 0.0)
         click_at(self.place())
-        wait_until(lambda: self.strip._said[0] and self.strip._said[0] in self.strip.way.whole, "the strip says why")
+        wait_until(lambda: self.strip.said[0] and self.strip.said[0] in self.strip.way.whole, "the strip says why")
         self.assertEqual(len(self.core.calls), before)
 
 
@@ -151,7 +172,7 @@ class MatrixCase(StripCase):
 
     def _list(self) -> Iterator[str]:
         self.start()
-        self.control._zones.showPopup()
+        self.control.zones.showPopup()
         self._wait_clear(self.popup())
         yield "Home A"
         self.assertIsNone(QApplication.activePopupWidget(), "the same click has closed the list")
@@ -325,17 +346,16 @@ class TestOpen(StripCase):
         self.start()
         for button in (2, 3):
             click_at(self.place(), button)
-        self.control._zones.showPopup()
+        self.control.zones.showPopup()
         self.popup()
         right_click_at(self.place())
         self.wait_heard()
         self.assertEqual(self.core.calls, [])
 
     def test_stop_all_can_be_held_with_a_list_open(self) -> None:
-        self.start("Home A")
-        self.start("Home B")
+        self.start("Home A", "Home B")
         self.core.zones["Hall"].command("connect")  # a run that is only connected stays as it is
-        self.control._zones.showPopup()
+        self.control.zones.showPopup()
         self.popup()
         with held_at(self.place(self.strip.stop_all)):
             self.wait_call("stop_run", "Home A")
@@ -343,17 +363,8 @@ class TestOpen(StripCase):
         self.wait_answered()
         self.assertEqual(set(self.core.calls), {("stop_run", "Home A"), ("stop_run", "Home B")})
 
-    def test_a_short_click_on_stop_all_with_a_list_open_stops_nothing(self) -> None:
-        self.start()
-        self.control._zones.showPopup()
-        self.popup()
-        click_at(self.place(self.strip.stop_all))
-        wait_until(lambda: "hold the button down" in self.strip.way.whole, "the strip says how")
-        self.assertEqual(self.core.calls, [])
-
     def test_each_zone_that_could_not_be_stopped_is_named(self) -> None:
-        self.start("Home A")
-        self.start("Home B")
+        self.start("Home A", "Home B")
         self.core.refuse = "the core has a cold"
         with held_at(self.place(self.strip.stop_all)):
             wait_until(lambda: "the core has a cold" in self.strip.way.whole and
@@ -363,8 +374,13 @@ class TestOpen(StripCase):
     def test_a_short_press_on_stop_all_stops_nothing_and_says_how(self) -> None:
         self.start()
         limit(self, stop_strip, "KEEP_MS", 3_600_000)
-        click_on(self.strip.stop_all)
-        wait_until(lambda: "hold the button down" in self.strip.way.whole, "the strip says how")
+        for with_list in (False, True):
+            self.strip.said = ("", 0.0)
+            if with_list:
+                self.control.zones.showPopup()
+                self.popup()
+            click_at(self.place(self.strip.stop_all))
+            self.shown("hold the button down")
         self.assertEqual(self.core.calls, [])
 
 
@@ -389,38 +405,30 @@ class TestFaults(StripCase):
         raise RuntimeError("injected")
 
     def stop_works(self, part: str) -> None:
+        limit(self, stop_strip, "FAILURE_S", LONG_S)
+        self.strip.failed = None
         self.start()
         self.press_stop()
-        self.client.stops._sent.clear()
-        self.strip.refresh()
+        self.forget_stops()
         wait_until(lambda: part in self.strip.way.whole, lambda: f"{part} is named: {self.strip.way.whole}")
 
     def test_in_each_panel(self) -> None:
-        limit(self, stop_strip, "FAILURE_S", 3600.0)
         for name, panel in self.window.panels.items():
             self.window.docks[name].raise_()
             for what in ("show_model", "where"):
                 with self.subTest(panel=name, what=what), mock.patch.object(panel, what, self.fails):
-                    self.strip._failed = None
                     self.stop_works(panel.TITLE)
-
-    def test_in_what_is_painted(self) -> None:
-        limit(self, stop_strip, "FAILURE_S", 3600.0)
-        for name, panel in self.window.panels.items():
-            self.window.docks[name].raise_()
-            self.strip._failed = None
             part = Unpaintable(panel)
-            with self.subTest(panel=name):
+            with self.subTest(panel=name, what="painted"):
                 self.stop_works("Unpaintable")
             part.deleteLater()
 
     def test_in_what_the_strip_itself_shows_beside_stop(self) -> None:
-        limit(self, stop_strip, "FAILURE_S", 3600.0)
         for what in ("_way", "_others"):
             with self.subTest(what=what), mock.patch.object(self.strip, what, self.fails):
                 self.start()
                 self.press_stop()
-            wait_until(lambda: self.strip._failed is not None, "the fault is noticed")
+            wait_until(lambda: self.strip.failed is not None, "the fault is noticed")
 
     def test_in_the_translation(self) -> None:
         """The original fault: a German text had a place with the name of a parameter."""
@@ -429,20 +437,15 @@ class TestFaults(StripCase):
                 self.start()
                 self.press_stop()
 
-    def test_in_a_manual_operation_in_german(self) -> None:
         with mock.patch.object(language, "_translate", GERMAN):
             self.start()
             self.zone.asked = Asked(1, "Open {text} the door", ())
-            self.zone.log = "x"
             self.wait_heard()
             self.press_stop()
 
 
 class TestWay(StripCase):
     """How far a STOP came."""
-
-    def shown(self, text: str) -> None:
-        wait_until(lambda: text in self.strip.way.whole, lambda: f"'{text}' is shown, not '{self.strip.way.whole}'")
 
     def test_to_the_robot(self) -> None:
         self.start()
@@ -454,9 +457,7 @@ class TestWay(StripCase):
         self.assertIn(stop_strip.basic.ALARM.background, self.strip.way.styleSheet())
         self.zone.not_stopped = []
         self.shown("the robot has stopped")
-        limit(self, stops, "DONE_S", 0.0)
-        self.client.stops._sent[0].until_mono = 0.0
-        wait_until(lambda: not self.client.stops.sent(), "it is not shown for ever")
+        self.forget_stops()
 
     def test_one_that_has_no_answer_does_not_hide_another(self) -> None:
         self.start("Home B")
@@ -585,8 +586,7 @@ class TestKeys(StripCase):
             wait_until(lambda: self.zone.phase == "ended", "the run has ended")
 
     def test_of_several_runs_it_stops_that_of_the_zone_shown(self) -> None:
-        self.start("Home A")
-        self.start("Home B")
+        self.start("Home A", "Home B")
         self.client.model.choose_zone("Home B")
         wait_until(lambda: self.stop.hint == "Esc twice: Home B", lambda: f"STOP names it: {self.stop.hint}")
         self.esc_twice()
@@ -594,8 +594,7 @@ class TestKeys(StripCase):
         self.assertEqual(self.stops_of("Home A"), 0)
 
     def test_who_presses_twice_stops_no_other_zone(self) -> None:
-        self.start("Home A")
-        self.start("Hall")
+        self.start("Home A", "Hall")
         self.client.model.choose_zone("Hall")
         limit(self, stops, "SAME_S", 3_600.0)
         self.press_stop("Hall")
@@ -610,8 +609,7 @@ class TestKeys(StripCase):
         self.press_stop("Home A")
 
     def test_if_it_stops_none_of_several_runs_it_says_why(self) -> None:
-        self.start("Home A")
-        self.start("Home B")
+        self.start("Home A", "Home B")
         self.client.model.choose_zone("Hall")
         wait_until(lambda: not self.stop.is_on(), "STOP stops nothing")
         press_key("Escape")
@@ -636,8 +634,7 @@ class TestOthers(StripCase):
         self.assertTrue(in_sight(self.strip.others))
 
     def test_while_another_program_is_in_front_a_small_stop_stays_on_the_screen(self) -> None:
-        self.start("Home A")
-        self.start("Home B")
+        self.start("Home A", "Home B")
         small, title = self.client.stop_window, self.window.windowTitle()
         self.assertFalse(small.isVisible())
         give_focus_away()
@@ -657,21 +654,16 @@ class TestOthers(StripCase):
 
     def test_a_small_stop_that_was_closed_comes_back_for_another_run(self) -> None:
         self.start("Home A")
-        small = self.client.stop_window
-        give_focus_away()
-        wait_until(small.isVisible, "it is on the screen")
+        small = self.small_stop()
         limit(self, stop_window, "GOES_MS", 0)
-        click_on(small._x)
+        click_on(small.close_button)
         wait_until(lambda: not small.isVisible(), "it is closed")
         self.run_zone("Hall")
         wait_until(small.isVisible, "it is there again")
 
     def test_at_the_place_of_a_small_stop_there_is_never_another_one(self) -> None:
-        self.start("Home B")
-        self.start("Home A")
-        small = self.client.stop_window
-        give_focus_away()
-        wait_until(small.isVisible, "it is on the screen")
+        self.start("Home B", "Home A")
+        small = self.small_stop()
 
         def places() -> Dict[str, QRect]:
             return {zone: QRect(one.mapToGlobal(QPoint()), one.size()) for zone, one in small.buttons.items()}
@@ -685,7 +677,7 @@ class TestOthers(StripCase):
         wait_until(lambda: not small.buttons["Home A"].is_on() and all(one.is_done for one in self.client.stops.sent()),
                    "its run has ended")
         self.assertEqual(places(), before)
-        self.client.stops._sent[0].until_mono = 0.0
+        self.forget_stops()
         wait_until(lambda: places() == {"Home B": before["Home B"]}, "nothing moves to the place that is free")
         click_at(place)
         self.start("Hall")
@@ -709,20 +701,15 @@ class TestOthers(StripCase):
     def test_the_small_stop_is_not_over_the_stop_of_the_window(self) -> None:
         """It may name another zone at the same place."""
         self.window.resize(*WHOLE_SCREEN)
-        self.start("Home A")
-        self.start("Home B")
+        self.start("Home A", "Home B")
         self.client.model.choose_zone("Home B")
-        small = self.client.stop_window
-        give_focus_away()
-        wait_until(small.isVisible, "it is on the screen")
+        self.small_stop()
         self.press_stop("Home B")
         self.assertEqual(self.stops_of("Home A"), 0)
 
     def test_the_small_stop_shows_how_far_a_stop_came(self) -> None:
         self.start()
-        small = self.client.stop_window
-        give_focus_away()
-        wait_until(small.isVisible, "it is on the screen")
+        small = self.small_stop()
         self.assertEqual(small.heading.whole, "RSBB: runs in progress")
         self.core.answer_gate.clear()
         self.hush()
@@ -737,7 +724,7 @@ class TestOthers(StripCase):
         self.core.answer_gate.set()
         wait_until(lambda: "the robot has stopped" in small.heading.whole, "it is delivered")
         self.assertTrue(small.isVisible() and not any(one.is_on() for one in small.buttons.values()))
-        self.client.stops._sent[0].until_mono = 0.0
+        self.forget_stops()
         wait_until(lambda: small.heading.whole == "RSBB: no run is in progress", "nothing is left to say")
         self.assertTrue(small.isVisible(), "it does not go under a hand")
 
@@ -763,7 +750,7 @@ class TestOthers(StripCase):
                 wait_until(lambda: self.zone.phase == "ended", "the run is over")
                 calls_before = len(self.core.calls)
                 if goes == "closed":
-                    click_there = self.click_where_start_is(small, small._x)
+                    click_there = self.click_where_start_is(small, small.close_button)
                     click_there()
                 else:
                     click_there = self.click_where_start_is(small, small.heading)
@@ -782,15 +769,12 @@ class TestOthers(StripCase):
                 self.window.activateWindow()
                 wait_until(lambda: QApplication.applicationState() == Qt.ApplicationActive, "the window is in front")
                 self.press_stop()
-                self.client.stops._sent.clear()
+                self.forget_stops()
 
     def test_the_small_stop_shows_the_way_of_each_zone_and_stays_while_a_robot_has_not_stopped(self) -> None:
-        for zone in ("Home A", "Home B"):
-            self.start(zone)
+        self.start("Home A", "Home B")
         self.core.zones["Home B"].not_stopped = ["mbot"]
-        small = self.client.stop_window
-        give_focus_away()
-        wait_until(small.isVisible, "it is on the screen")
+        small = self.small_stop()
         before = places(small)
         limit(self, stop, "NOT_DELIVERED_S", 0.0)
         self.core.answer_gate.clear()
@@ -810,24 +794,22 @@ class TestOthers(StripCase):
         self.assertIn(stop_strip.basic.ALARM.background, small.ways["Home B"].styleSheet())
         self.assertEqual(places(small), before)
         limit(self, stop_window, "GOES_MS", 0)
-        click_at(self.place(small._x))
+        click_at(self.place(small.close_button))
         self.wait_heard()
-        self.assertTrue(small.isVisible() and not small._x.isEnabled())
+        self.assertTrue(small.isVisible() and not small.close_button.isEnabled())
         self.core.zones["Home B"].not_stopped = []
-        wait_until(small._x.isEnabled, "it can be closed")
-        click_on(small._x)
+        wait_until(small.close_button.isEnabled, "it can be closed")
+        click_on(small.close_button)
         wait_until(lambda: not small.isVisible(), "it is closed")
 
     def test_a_small_stop_that_was_closed_comes_back_if_the_robot_does_not_answer(self) -> None:
         self.start()
         self.zone.not_stopped = ["mbot"]
-        small = self.client.stop_window
-        give_focus_away()
-        wait_until(small.isVisible, "it is on the screen")
+        small = self.small_stop()
         click_on(small.buttons["Home A"])
         limit(self, stop_window, "GOES_MS", 0)
         limit(self, stop, "NOT_DELIVERED_S", 3600.0)
-        click_on(small._x)
+        click_on(small.close_button)
         wait_until(lambda: not small.isVisible(), "it is closed")
         limit(self, stop, "NOT_DELIVERED_S", 0.0)
         wait_until(lambda: small.isVisible() and small.ways["Home A"].whole == "NO ANSWER", "it is there again")
@@ -874,8 +856,7 @@ class TestTouch(StripCase):
         self.wait_call("stop_run", "Home A")
 
     def test_stop_all_is_held_by_a_finger(self) -> None:
-        self.start("Home A")
-        self.start("Home B")
+        self.start("Home A", "Home B")
         wait_until(self.strip.stop_all.is_on, "STOP ALL is live")
         self.fingers.put_down(0, self.inside(self.strip.stop_all))
         self.fingers.lift(0)
@@ -974,7 +955,7 @@ class TestTooSmall(StripCase):
         for size in ((1, self.window.height()), (self.window.width(), 1)):
             self.window.resize(*SIZES[1])
             settle(self.window)
-            self.strip._said = ("", 0.0)
+            self.strip.said = ("", 0.0)
             self.window.resize(*size)
             wait_until(lambda: "The window cannot be smaller" in self.strip.way.whole, "it says why")
         self.assertTrue(in_sight(self.stop) and in_sight(self.strip.stop_all))

@@ -5,16 +5,8 @@ from types import SimpleNamespace
 from typing import Callable, List
 
 from support.fakes.core import NOT_ATTEMPTED
-from support.gui_testing import (
-    QApplication,
-    Qt,
-    QTest,
-    QWidget,
-    click,
-    limit,
-    wait_until,
-)
-from support.panel_case import BUMPS, DOOR, PanelCase
+from support.gui_testing import Qt, QTest, QWidget, click, limit, opened, wait_until
+from support.panel_case import BUMPS, DOOR, PanelCase, Settings
 
 from roah_rsbb.document.written import write
 from roah_rsbb.model.reason import RunName
@@ -24,18 +16,6 @@ from roah_rsbb.rqt.model import Sheets
 from roah_rsbb.rqt.panels import benchmark_control, scoring
 from roah_rsbb.rqt.panels.score_sheet import ScoreDialog
 from roah_rsbb.scoring.sheet import Mark
-
-
-def opened(kind: type):
-    """The dialog of that kind that is open."""
-    found = []
-
-    def is_open() -> bool:
-        found[:] = [w for w in QApplication.topLevelWidgets() if type(w) is kind and w.isVisible()]
-        return bool(found)
-
-    wait_until(is_open, f"a {kind.__name__} is open")
-    return found[0]
 
 
 class TestSheets(unittest.TestCase):
@@ -112,7 +92,7 @@ class TestScoringWithWords(WordsCase):
     def test_a_note(self) -> None:
         self.bumps.with_note.trigger()
         dialog = opened(ScoreDialog)
-        dialog.number.setValue(3)
+        dialog.field.setValue(3)
         QTest.keyClicks(dialog.note, "the vase, twice")
         click(dialog.yes)
         self.wait_call("score", "Home A", *BUMPS, "+3")
@@ -120,7 +100,7 @@ class TestScoringWithWords(WordsCase):
         self.door.with_note.trigger()
         dialog = opened(ScoreDialog)
         dialog.not_attempted.setChecked(True)
-        self.assertFalse(dialog.tick.isEnabled())
+        self.assertFalse(dialog.field.isEnabled())
         click(dialog.yes)
         self.wait_call("score", "Home A", *DOOR, NOT_ATTEMPTED)
         self.door.with_note.trigger()
@@ -128,22 +108,14 @@ class TestScoringWithWords(WordsCase):
         self.assertEqual(len(self.core.calls), 2)
 
     def test_the_name_is_one_for_all_panels_and_kept(self) -> None:
-        kept = {}
-
-        class Settings:
-            def set_value(self, key, value):
-                kept[key] = value
-
-            def value(self, key, default):
-                return kept.get(key, default)
-
+        settings = Settings()
         self.panel.referee.clear()
         QTest.keyClicks(self.panel.referee, "Cleo ")
         self.assertEqual(self.client.referee.name, "Cleo")
-        self.panel.save_settings(Settings())
+        self.panel.save_settings(settings)
         self.client.referee.set("")
         self.assertEqual(self.panel.referee.text(), "")
-        self.panel.restore_settings(Settings())
+        self.panel.restore_settings(settings)
         self.assertEqual((self.client.referee.name, self.panel.referee.text()), ("Cleo", "Cleo"))
 
 
@@ -152,7 +124,7 @@ class TestStopReason(WordsCase):
 
     def test_it_is_typed_after_the_stop(self) -> None:
         line, identity = self.panel.reason, self.zone.identity
-        wait_until(lambda: "RUNNING" in self.panel._phase.text(), "the run is shown")
+        wait_until(lambda: "RUNNING" in self.panel.phase.text(), "the run is shown")
         self.assertFalse(line.isEnabled())
         click(self.strip.stop)
         wait_until(line.isEnabled, "a reason may be typed")
@@ -188,7 +160,7 @@ class TestStopReason(WordsCase):
         self.core.event(scores.give_stop_reason, RunName("Home A"), "fire alarm", "Ben")  # by another client
         wait_until(lambda: line.text() == "fire alarm", "it is shown")
         self.zone.command("disconnect")
-        wait_until(lambda: "NOT CONNECTED" in self.panel._phase.text(), "the run is left")
+        wait_until(lambda: "NOT CONNECTED" in self.panel.phase.text(), "the run is left")
         wait_until(line.isEnabled, "it can be changed")
         self.assertEqual(line.text(), "fire alarm")
         self.core.event(scores.sign_off, RunName("Home A", identity), "Cleo")
@@ -202,7 +174,7 @@ class TestStopReason(WordsCase):
         wait_until(line.isEnabled, "a reason may be typed")
         QTest.keyClicks(line, "the door ")
         self.zone.command("disconnect")
-        wait_until(lambda: "NOT CONNECTED" in self.panel._phase.text(), "the run is left")
+        wait_until(lambda: "NOT CONNECTED" in self.panel.phase.text(), "the run is left")
         QTest.keyClicks(line, "was locked")
         QTest.keyClick(line, Qt.Key_Return)
         self.wait_words(identity, "the door was locked", "Anna")
@@ -218,5 +190,5 @@ class TestStopReason(WordsCase):
         self.core.refuse = "signed off"
         QTest.keyClicks(line, "why")
         QTest.keyClick(line, Qt.Key_Return)
-        wait_until(lambda: "signed off" in self.panel._answer.text(), "the refusal is shown")
+        wait_until(lambda: "signed off" in self.panel.answer.text(), "the refusal is shown")
         self.assertEqual(line.text(), "why")

@@ -9,7 +9,7 @@ import subprocess
 import tempfile
 import time
 import unittest
-from typing import Callable, Union
+from typing import Any, Callable, Union
 from unittest import mock
 
 from support.waiting import LIMIT_S
@@ -134,16 +134,21 @@ def click(button: QWidget) -> None:
     QTest.mouseClick(button, Qt.LeftButton, Qt.NoModifier, place)
 
 
+def opened(kind: type) -> Any:
+    """The dialog of that kind that is open, once it is."""
+    found = []
+
+    def is_open() -> bool:
+        found[:] = [w for w in QApplication.topLevelWidgets() if isinstance(w, kind) and w.isVisible()]
+        return bool(found)
+
+    wait_until(is_open, f"a {kind.__name__} is open")
+    return found[0]
+
+
 def question() -> QMessageBox:
     """The question that is asked now."""
-    boxes = []
-
-    def asked() -> bool:
-        boxes[:] = [w for w in QApplication.topLevelWidgets() if isinstance(w, QMessageBox) and w.isVisible()]
-        return bool(boxes)
-
-    wait_until(asked, "a question is asked")
-    return boxes[0]
+    return opened(QMessageBox)
 
 
 def answer(box: QMessageBox, role: int) -> None:

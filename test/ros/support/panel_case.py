@@ -19,6 +19,16 @@ BUMPS = ("Penalized behaviours", "Bumps into the furniture")
 OLD_S = client.OLD_S
 
 
+class Settings(dict):
+    """rqt's settings; they come back as texts."""
+
+    def set_value(self, key, value) -> None:
+        self[key] = str(value).lower() if isinstance(value, bool) else str(value)
+
+    def value(self, key, default=None):
+        return self.get(key, default)
+
+
 class CoreCase(unittest.TestCase):
     """A fake core in this process."""
 

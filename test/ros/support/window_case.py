@@ -11,7 +11,7 @@ from roah_rsbb.rqt.qt import QDialog, QRect, QSettings
 from roah_rsbb.rqt.windows import Window
 from support import gui_testing
 from support.fakes.core import ITEMS, FakeCore
-from support.gui_testing import QApplication, QPoint, QWidget, settle, show, wait_until
+from support.gui_testing import QApplication, QPoint, QWidget, opened, settle, show, wait_until
 from support.panel_case import BUMPS, CoreCase
 
 
@@ -70,17 +70,11 @@ class WindowCase(CoreCase):
         settle(self.window)
 
     def dialog(self, kind: type) -> QDialog:
-        found = []
-
-        def is_open() -> bool:
-            found[:] = [d for d in QApplication.topLevelWidgets() if isinstance(d, kind) and d.isVisible()]
-            return bool(found)
-
-        wait_until(is_open, f"{kind.__name__} is open")
-        found[0].move(self.window.width() - found[0].width(), 0)  # a referee can move it, too
-        found[0].activateWindow()
-        wait_until(lambda: QApplication.activeWindow() is found[0], "it has the focus")
-        return found[0]
+        found = opened(kind)
+        found.move(self.window.width() - found.width(), 0)  # a referee can move it, too
+        found.activateWindow()
+        wait_until(lambda: QApplication.activeWindow() is found, "it has the focus")
+        return found
 
     def ask_note(self) -> QDialog:
         self.scoring.rows[BUMPS].with_note.trigger()

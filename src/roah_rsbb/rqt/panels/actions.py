@@ -25,6 +25,7 @@ from roah_rsbb.rqt.qt import (
     Qt,
     QTimer,
     QToolButton,
+    QVBoxLayout,
     QWidget,
 )
 from roah_rsbb.wording.language import tr, tr_reason, tr_said
@@ -81,26 +82,24 @@ def keep_true(box: QMessageBox, model: Model, current: Callable[[], Tuple[str, s
 
 
 class FormDialog(QDialog):
-    """Asks with a form. A subclass adds its fields, and passes on what was entered if the referee confirms."""
+    """Asks with a form. A subclass adds rows to `form`, and passes on what was entered if the referee confirms."""
 
-    def __init__(self, parent: QWidget, title: str, text: str, yes: str) -> None:
-        """`text`: what it is about; `yes`: the button that confirms."""
+    def __init__(self, parent: QWidget, title: str, text: str, yes: str = "") -> None:
+        """`text`: what it is about; `yes`: the button that confirms; empty: it can only be closed."""
         super().__init__(parent, windowTitle=title)
         self.setAttribute(Qt.WA_DeleteOnClose)
-        self.form = QFormLayout(self)
         what = basic.enlarged(QLabel(text, wordWrap=True, textFormat=Qt.PlainText), 1.2, bold=True)
         what.setMinimumWidth(round(WIDE_EMS * basic.em()))
-        self.form.addRow(what)
+        self.form = QFormLayout()
         buttons = QDialogButtonBox()
-        self.yes = buttons.addButton(yes, QDialogButtonBox.AcceptRole)
-        self.cancel = buttons.addButton(tr("Cancel"), QDialogButtonBox.RejectRole)
+        self.yes = buttons.addButton(yes, QDialogButtonBox.AcceptRole) if yes else None
+        self.cancel = buttons.addButton(tr("Cancel") if yes else tr("Close"), QDialogButtonBox.RejectRole)
         buttons.accepted.connect(self.confirm)
         buttons.rejected.connect(self.reject)
-        self.add_fields()
-        self.form.addRow(buttons)
-
-    def add_fields(self) -> None:
-        """Add the fields, and give one of them the focus."""
+        box = QVBoxLayout(self)
+        box.addWidget(what)
+        box.addLayout(self.form, 1)
+        box.addWidget(buttons)
 
     def confirm(self) -> None:
         """Close, and pass on what was entered."""
@@ -142,20 +141,15 @@ class ActionForm(FormDialog):
         then: Callable[[Dict[str, Any]], None],
     ) -> None:
         """`what`: what is done where, for the heading."""
-        self._explanation = tr(action.explanation)
-        self._fields = fields
-        self._then = then
         super().__init__(parent, what, what, tr(action.label))
-
-    def add_fields(self) -> None:
-        self.form.addRow(QLabel(self._explanation, wordWrap=True))
-        self._inside = FieldEditors(self._fields)
-        self.editors, self.problem = self._inside.editors, self._inside.problem
-        self.form.addRow(self._inside)
-        next(iter(self.editors.values())).setFocus()
+        self._then = then
+        self.form.addRow(QLabel(tr(action.explanation), wordWrap=True))
+        self.inside = FieldEditors(fields)
+        self.form.addRow(self.inside)
+        next(iter(self.inside.editors.values())).setFocus()
 
     def confirm(self) -> None:
-        given = self._inside.given()
+        given = self.inside.given()
         if given is not None:
             self.accept()
             self._then(given)

@@ -13,6 +13,7 @@ from roah_rsbb.document.calls import PAIR, PAIRED
 from roah_rsbb.ground.linux import open_in_browser
 from roah_rsbb.model.actions import ACTIONS, Action
 from roah_rsbb.model.fields import Team, entered
+from roah_rsbb.model.reason import MAX_NOTE
 from roah_rsbb.model.results import RunLine
 from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, ZoneSeen
 from roah_rsbb.rqt import basic, keys
@@ -21,7 +22,6 @@ from roah_rsbb.rqt.model import Sheets
 from roah_rsbb.rqt.panels.actions import ActionForm, MoreMenu, RuleButtons, ask, keep_true, what_text, why_off
 from roah_rsbb.rqt.panels.panel import SILENT, AnswerLine, Panel
 from roah_rsbb.rqt.panels.run_times import TimesWidget, phase_look
-from roah_rsbb.rqt.panels.score_sheet import MAX_NOTE
 from roah_rsbb.rqt.qt import (
     QComboBox,
     QGridLayout,
@@ -243,20 +243,20 @@ class BenchmarkControlPanel(Panel):
 
     def __init__(self, client) -> None:
         super().__init__(client)
-        self._zones = _ZoneBox()
+        self.zones = _ZoneBox()
         self._shown_zone = ""
-        self._highlight = QTimer(self, singleShot=True, timeout=lambda: basic.set_style(self._zones, ""))
-        self._event: Dict[str, QLabel] = {}
-        self._phase = basic.Badge(1.8)
+        self._highlight = QTimer(self, singleShot=True, timeout=lambda: basic.set_style(self.zones, ""))
+        self.event_labels: Dict[str, QLabel] = {}
+        self.phase = basic.Badge(1.8)
         self.times = TimesWidget()
         self.state = basic.Notices(1.3)
-        self._answer = AnswerLine()
-        self.reason = StopReasonLine(self, self._answer)
+        self.answer = AnswerLine()
+        self.reason = StopReasonLine(self, self.answer)
         self.buttons = {name: self._button(c) for name, c in COMMANDS.items()}
         self.rules = RuleButtons(self._ask)
         self.more = MoreMenu(self._connect_robot, self._ask)
         self._lay_out()
-        self.pages = PagesButton(self, self._answer)
+        self.pages = PagesButton(self, self.answer)
         self.heading.addWidget(self.pages)
         keys = QToolButton()
         keys.setText("?")
@@ -264,7 +264,7 @@ class BenchmarkControlPanel(Panel):
         keys.setFocusPolicy(Qt.NoFocus)  # the key does the same
         keys.clicked.connect(client.keys.open_page)
         self.heading.addWidget(keys)
-        self._zones.activated.connect(lambda index: self.model.choose_zone(self._zones.itemText(index)))
+        self.zones.activated.connect(lambda index: self.model.choose_zone(self.zones.itemText(index)))
         self._start_key = self._key("F5", "start")
 
     def shutdown(self) -> None:
@@ -274,11 +274,11 @@ class BenchmarkControlPanel(Panel):
     # -- layout -------------------------------------------------------------------------------------
 
     def _lay_out(self) -> None:
-        basic.enlarged(self._zones, 1.5, bold=True)
-        self._zones.setFocusPolicy(Qt.TabFocus)
-        self.body.addWidget(self._zones)
+        basic.enlarged(self.zones, 1.5, bold=True)
+        self.zones.setFocusPolicy(Qt.TabFocus)
+        self.body.addWidget(self.zones)
         self.body.addLayout(self._event_grid())
-        self.body.addWidget(self._phase)
+        self.body.addWidget(self.phase)
         self.body.addWidget(self.times, 3)
         self.state.setMinimumHeight(round(3.5 * basic.em()))
         self.body.addWidget(self.state, 2)
@@ -293,7 +293,7 @@ class BenchmarkControlPanel(Panel):
         commands.addWidget(start, 0, 1, 2, 1)
         commands.setColumnStretch(0, 1)
         commands.setColumnStretch(1, 1)
-        self.body.addWidget(self._answer)
+        self.body.addWidget(self.answer)
         reason = QHBoxLayout()
         reason.addWidget(QLabel(tr(REASON)))
         reason.addWidget(self.reason, 1)
@@ -307,7 +307,7 @@ class BenchmarkControlPanel(Panel):
             label = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), factor, bold=name != "facts")
             label.setMinimumWidth(1)
             grid.addWidget(label, row, 0, 1, 2 if name == "facts" else 1)
-            self._event[name] = label
+            self.event_labels[name] = label
         grid.addWidget(self.buttons["previous"], 0, 1)
         grid.addWidget(self.buttons["next"], 1, 1)
         grid.setColumnStretch(0, 1)
@@ -324,7 +324,7 @@ class BenchmarkControlPanel(Panel):
             zone = self.model.zone_name
             return (service, zone), f"{tr(COMMANDS[service].label)} {zone}"
 
-        return TwiceKey(self, key, self.buttons[service], self._answer, what, lambda: self._press(service))
+        return TwiceKey(self, key, self.buttons[service], self.answer, what, lambda: self._press(service))
 
     # -- showing ------------------------------------------------------------------------------------
 
@@ -348,7 +348,7 @@ class BenchmarkControlPanel(Panel):
         if zone is not None:
             phase = phase_look(zone, clock)
             text = f"{phase.text}  ·  {zone.robot_name}" if zone.robot_name else phase.text
-            self._phase.show_text(text, basic.IDLE if self.model.is_old else phase.tone)
+            self.phase.show_text(text, basic.IDLE if self.model.is_old else phase.tone)
         self.more.show_zone(zone, self._silent(zone))  # its menu may just have closed
         self._start_key.forget()
 
@@ -363,11 +363,11 @@ class BenchmarkControlPanel(Panel):
 
     def _show_zones(self) -> None:
         names = self.model.zone_names
-        if [self._zones.itemText(i) for i in range(self._zones.count())] != names:
-            self._zones.clear()
-            self._zones.addItems(names)
-        if not self._zones.view().isVisible():
-            self._zones.setCurrentIndex(self._zones.findText(self.model.zone_name))
+        if [self.zones.itemText(i) for i in range(self.zones.count())] != names:
+            self.zones.clear()
+            self.zones.addItems(names)
+        if not self.zones.view().isVisible():
+            self.zones.setCurrentIndex(self.zones.findText(self.model.zone_name))
 
     def _show_zone_change(self) -> None:
         """Highlight another zone for a moment. Until then no command works: no click may hit the wrong zone."""
@@ -376,26 +376,26 @@ class BenchmarkControlPanel(Panel):
             return
         for button in (*self.buttons.values(), *self.rules.buttons.values()):
             button.hold()
-        basic.set_style(self._zones, f"QComboBox {{ {basic.OLD.css} }}")
+        basic.set_style(self.zones, f"QComboBox {{ {basic.OLD.css} }}")
         self._highlight.start(basic.HOLD_MS)
 
     def _show_no_zone(self) -> None:
-        for label in self._event.values():
+        for label in self.event_labels.values():
             label.setText("")
         heard = self.model.document is not None
-        self._phase.show_text(tr("NO SUCH ZONE") if heard else tr("NO CORE"), basic.IDLE)
+        self.phase.show_text(tr("NO SUCH ZONE") if heard else tr("NO CORE"), basic.IDLE)
         text = f"{tr(NO_ZONE)} ({self.model.zone_name})" if heard else tr("Waiting for the core")
         self.state.show_lines([(line, False) for line in (text, self.model.why) if line])
 
     def _show_event(self, zone: ZoneSeen) -> None:
         event, moments = zone.event, self.client.moments
-        self._event["name"].setText(f"{event.code}  {event.desc}")
-        self._event["team"].setText(event.team)
+        self.event_labels["name"].setText(f"{event.code}  {event.desc}")
+        self.event_labels["team"].setText(event.team)
         when = moments.scheduled(event.scheduled, self.model.now().utc)
-        self._event["facts"].setText(
+        self.event_labels["facts"].setText(
             f"{event.name} · {sheets.turn(event.round, event.run)} · {tr('scheduled {time}', time=when)}"
         )
-        self._event["facts"].setToolTip(tr("Scheduled: {time}", time=moments.tip(event.scheduled)))
+        self.event_labels["facts"].setToolTip(tr("Scheduled: {time}", time=moments.tip(event.scheduled)))
 
     def _show_state(self, zone: ZoneSeen) -> None:
         """Show the zone's warnings, those of the box, which concern every referee, then the zone's other lines."""
@@ -436,7 +436,7 @@ class BenchmarkControlPanel(Panel):
         if self.model.identity_of(zone) == asked:
             self._send(ACTIONS["disconnect"], zone, {"running": True})
         else:
-            self._answer.warn(tr("Not disconnected: another run is in {zone} now", zone=zone))
+            self.answer.warn(tr("Not disconnected: another run is in {zone} now", zone=zone))
 
     def _ask(self, action: Action) -> None:
         """An action of the row or the menu was chosen: ask what it needs, and what its table says, then do it."""
@@ -472,7 +472,7 @@ class BenchmarkControlPanel(Panel):
         if now is not None and _subject(now) == _subject(asked):
             self._send(action, asked.zone, given, what)
         else:
-            self._answer.warn(tr("Not done: {zone} is at another event now", zone=asked.zone))
+            self.answer.warn(tr("Not done: {zone} is at another event now", zone=asked.zone))
 
     def _connect_robot(self, robot: str) -> None:
         what = tr("Connect {robot} in {zone}", robot=robot, zone=self.model.zone_name)
@@ -486,10 +486,10 @@ class BenchmarkControlPanel(Panel):
         button = self.buttons.get(action.name) or self.rules.buttons.get(action.name)
         if button is not None:
             button.hold()
-        self._answer.say(f"{what} …")
+        self.answer.say(f"{what} …")
 
         def done(outcome: CallOutcome) -> None:
-            self._answer.show_outcome(what, outcome)
+            self.answer.show_outcome(what, outcome)
             if outcome.error and button is not None:
                 button.let_go()
 

@@ -191,8 +191,8 @@ class DevicesPanel(Panel):
         area.setFrameShape(QFrame.NoFrame)
         area.setWidget(inside)
         self.body.addWidget(area, 1)
-        self._answer = AnswerLine()
-        self.body.addWidget(self._answer)
+        self.answer = AnswerLine()
+        self.body.addWidget(self.answer)
 
     def _bell_line(self) -> QHBoxLayout:
         line = QHBoxLayout()
@@ -257,7 +257,7 @@ class DevicesPanel(Panel):
 
     def _answered(self, device: str, value: int, outcome: CallOutcome) -> None:
         what = f"{self.rows[device].name}: {value}{'' if whole_box.DEVICES[device] else ' %'}"
-        self._answer.show_outcome(what, outcome)
+        self.answer.show_outcome(what, outcome)
         if outcome.error:
             self._edits.failed(device)
         else:
@@ -269,4 +269,4 @@ class DevicesPanel(Panel):
     def _ring(self) -> None:
         self.ring.hold()
         self.client.node.devices.set(
-            self.client.calls, self, RING, 1, lambda outcome: self._answer.show_outcome(tr(whole_box.BELL), outcome))
+            self.client.calls, self, RING, 1, lambda outcome: self.answer.show_outcome(tr(whole_box.BELL), outcome))

@@ -67,8 +67,8 @@ class ManualOperationPanel(Panel):
         self._asked.addWidget(self.form)
         area.setWidget(asked)
         self.body.addWidget(area, 1)
-        self._answer = AnswerLine()
-        self.body.addWidget(self._answer)
+        self.answer = AnswerLine()
+        self.body.addWidget(self.answer)
         self._line = QHBoxLayout()
         self.body.addLayout(self._line)
         self.buttons: List[basic.CommandButton] = []
@@ -96,7 +96,7 @@ class ManualOperationPanel(Panel):
     def _show_another(self, request: Optional[OperationKey]) -> None:
         """Show another request, or none."""
         self._request = request
-        self._answer.clear_answer()
+        self.answer.clear_answer()
         self._build()
         self._flashes_left = FLASHES if request is not None else 0
         if request is not None:
@@ -164,13 +164,13 @@ class ManualOperationPanel(Panel):
             return
         for button in self.buttons:
             button.hold()
-        self._answer.say(tr("Manual operation complete …"))
+        self.answer.say(tr("Manual operation complete …"))
         zone, run, _ = request
         self.client.calls.act(self, "operation", zone, run, given, lambda outcome: self._answered(request, outcome))
 
     def _answered(self, request: OperationKey, outcome) -> None:
         if request == self._request or outcome.error:
-            self._answer.show_outcome(tr("Manual operation complete"), outcome)
+            self.answer.show_outcome(tr("Manual operation complete"), outcome)
         if outcome.error:
             for button in self.buttons:
                 button.let_go()
@@ -199,8 +199,8 @@ class OmfSwitchesPanel(Panel):
             grid.addWidget(button, *divmod(index, COLUMNS))
         self.body.addLayout(grid)
         self.body.addLayout(self._damaged_line())
-        self._answer = AnswerLine()
-        self.body.addWidget(self._answer)
+        self.answer = AnswerLine()
+        self.body.addWidget(self.answer)
         self.complete = basic.CommandButton(
             tr("✔ Confirm switches"), tr("Confirm that the entries are correct"), 1.5)
         self.complete.clicked.connect(self._confirm)
@@ -268,7 +268,7 @@ class OmfSwitchesPanel(Panel):
         button.hold()
 
         def done(outcome) -> None:
-            self._answer.show_outcome(what, outcome)
+            self.answer.show_outcome(what, outcome)
             button.let_go()
 
         self.client.calls.act(self, action, self.model.zone_name, "", given, done)

@@ -71,7 +71,7 @@ class ZoneTile(QFrame):
 
     def scale(self, factor: float, compact: bool) -> None:
         """Scale the tile relative to the desktop's font; `compact`: in two lines."""
-        self._compact = compact
+        self.compact = compact
         self.event.setVisible(not compact)
         self._grid.addWidget(self.name, 0, 0, 1, 3 if compact else 2)
         self._grid.addWidget(self.phase, 1, 0)
@@ -132,11 +132,11 @@ class ZoneTile(QFrame):
         width = self.contentsRect().width() - edges.left() - edges.right()
         beside_countdown = width - self.countdown.sizeHint().width() - gap
         metrics = self.event.fontMetrics()
-        needed = MOST_OF_TILE * width if self._compact else metrics.horizontalAdvance(team)
+        needed = MOST_OF_TILE * width if self.compact else metrics.horizontalAdvance(team)
         self.phase.setText(self._phase_text)
-        if needed > (beside_countdown if self._compact else width) - self.phase.sizeHint().width() - gap:
+        if needed > (beside_countdown if self.compact else width) - self.phase.sizeHint().width() - gap:
             self.phase.setText(self._phase_text[:1])
-        if self._compact:
+        if self.compact:
             self.name.setText(_both(zone, team, self.name.fontMetrics(), width))
         else:
             self.name.setText(self.name.fontMetrics().elidedText(zone, Qt.ElideRight, beside_countdown))

@@ -103,11 +103,11 @@ class Panel(QWidget):
         self.setWindowTitle(tr(self.TITLE))
         self._where = basic.enlarged(basic.ShortenedLabel(), self.WHERE_FACTOR, bold=True)
         self._where.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)
-        self._news = basic.Badge()
+        self.news = basic.Badge()
         self._title = basic.MarkedTitle(self)
         self.heading = QHBoxLayout()
         self.heading.addWidget(self._where, 1)
-        self.heading.addWidget(self._news)
+        self.heading.addWidget(self.news)
         self.content = QWidget()
         self.body = _Body(self.content)
         self.body.setContentsMargins(0, 0, 0, 0)
@@ -134,6 +134,9 @@ class Panel(QWidget):
 
     def show_times(self) -> None:
         """Show what changes while only time passes."""
+
+    def watch(self) -> None:
+        """Do what must be done at each news and moment, even while the panel is hidden."""
 
     def where(self) -> str:
         """Return the panel's heading: its zone, and the event there."""
@@ -223,6 +226,8 @@ class Panel(QWidget):
     def _on_update(self) -> None:
         if self._is_followed() and not same(self._all_parts(), self._drawn):
             self.redraw()
+        with process.reported(tr(self.TITLE)):
+            self.watch()
 
     def _on_tick(self) -> None:
         self._on_update()  # it may have come into sight
@@ -253,14 +258,14 @@ class Panel(QWidget):
 
     def _show_news(self) -> None:
         if self.model.is_superseded:
-            self._news.show_text(f"⚠ {tr(whole_box.SUPERSEDED_NOT_LIVE)}", basic.OLD)
+            self.news.show_text(f"⚠ {tr(whole_box.SUPERSEDED_NOT_LIVE)}", basic.OLD)
         elif self.model.is_old:
-            self._news.show_text(f"⚠ {times.silence(self.model.silence_s)}", basic.OLD)
+            self.news.show_text(f"⚠ {times.silence(self.model.silence_s)}", basic.OLD)
         elif self.model.is_replay:
-            self._news.show_text(f"▶ {tr(REPLAY_NOT_LIVE)}", basic.OLD)
+            self.news.show_text(f"▶ {tr(REPLAY_NOT_LIVE)}", basic.OLD)
         else:
-            self._news.show_text(tr("● live"), basic.OFF)
-        self._news.setToolTip(basic.tip(self.model.why))
+            self.news.show_text(tr("● live"), basic.OFF)
+        self.news.setToolTip(basic.tip(self.model.why))
         self._title.show(self.model.is_replay)
 
 
@@ -354,14 +359,6 @@ class CollapsingPanel(Panel):
         self.toggle.clicked.connect(lambda: self._collapse(not self.is_collapsed))
         self.toggle.hide()
         self.heading.addWidget(self.toggle)
-        # Do this even while the panel is hidden behind others, because its limit applies to all of them.
-        self.model.updated.connect(self._watch)
-        self.model.ticked.connect(self._watch)
-
-    def shutdown(self) -> None:
-        self.model.updated.disconnect(self._watch)
-        self.model.ticked.disconnect(self._watch)
-        super().shutdown()
 
     def show_collapsed(self, is_collapsed: bool) -> None:
         """Show only the visible line, or everything."""
@@ -371,10 +368,11 @@ class CollapsingPanel(Panel):
         """Leave the space to what the line says."""
         super()._show_news()
         if self.is_collapsed and self.model.is_old:
-            self._news.setToolTip(basic.tip("\n".join(filter(None, (self._news.text(), self.model.why)))))
-            self._news.show_text("⚠", basic.OLD)
+            self.news.setToolTip(basic.tip("\n".join(filter(None, (self.news.text(), self.model.why)))))
+            self.news.show_text("⚠", basic.OLD)
 
-    def _watch(self) -> None:
+    def watch(self) -> None:
+        # Also while it is behind others: the limit of its height applies to all of them.
         zone = self.model.zone
         if zone is None:
             return

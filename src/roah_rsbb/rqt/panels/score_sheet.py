@@ -2,10 +2,11 @@
 withdraw the last marks.
 """
 
-from typing import Callable, Dict, Hashable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Callable, Dict, Hashable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb.model.reason import MAX_NOTE
 from roah_rsbb.model.results import HistoryEntry
-from roah_rsbb.model.scoring import Entered
+from roah_rsbb.model.scoring import MAX_DECIMALS, MAX_NUMBER, MAX_VALUE, WHOLE, Entered
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.rqt import basic
 from roah_rsbb.rqt.panels.actions import FormDialog
@@ -36,15 +37,23 @@ from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import NOTHING
 
-MAX_NUMBER = 1_000_000
-DECIMALS = 3
-# Of an item without judges.
-NO_JUDGE = ""
+# Types whose value is a whole number.
+WHOLE_WORDS = [kind.word for kind in WHOLE]
+
+
+def least_of(item: SheetItem) -> int:
+    """Return the least value of an item that is a whole number."""
+    return 0 if item.type == "uint" else int(item.min or -MAX_VALUE)
+
+
+def most_of(item: SheetItem) -> int:
+    """Return the largest value of an item that is a whole number."""
+    return int(item.max or MAX_VALUE)
 
 
 def number_text(number: float) -> str:
     """Return a number with as many decimals as it has."""
-    text = f"{number:.{DECIMALS}f}".rstrip("0").rstrip(".")
+    text = f"{number:.{MAX_DECIMALS}f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
 
 
@@ -52,12 +61,14 @@ class NumberField(basic.NoWheel, basic.AnyRegion, QDoubleSpinBox):
     """A decimal number. With `may_be_empty`, it begins empty and can be emptied. `entered(text)`: the referee did it.
     """
 
-    def __init__(self, item: SheetItem, entered: Callable[[str], None], may_be_empty: bool = False) -> None:
+    def __init__(
+        self, item: SheetItem, entered: Callable[[str], None] = lambda text: None, may_be_empty: bool = False,
+    ) -> None:
         super().__init__()
         self._may_be_empty = may_be_empty
         self.setLocale(QLocale.c())
         least, most = float(item.min or -MAX_NUMBER), float(item.max or MAX_NUMBER)
-        self.setDecimals(DECIMALS)
+        self.setDecimals(MAX_DECIMALS)
         # The value below the least one stands for no value.
         self.setRange(least - 1.0 if may_be_empty else least, most)
         if may_be_empty:
@@ -101,7 +112,7 @@ class NumberField(basic.NoWheel, basic.AnyRegion, QDoubleSpinBox):
 class ChoiceField(basic.NoWheel, QComboBox):
     """One of several choices, or none. `entered(text)`: the referee chose it."""
 
-    def __init__(self, item: SheetItem, entered: Callable[[str], None]) -> None:
+    def __init__(self, item: SheetItem, entered: Callable[[str], None] = lambda text: None) -> None:
         super().__init__()
         self.addItem(NOTHING, "")
         for name, points in zip(item.choices, item.choice_points):
@@ -143,76 +154,55 @@ class RatingFields(QWidget):
                 self.fields[judge].show_text(text)
 
 
-MAX_NOTE = 500
-MAX_VALUE = 2**31 - 1
-
-
 class ScoreDialog(FormDialog):
     """Asks for the value of an item; calls `then(given)`."""
 
     def __init__(
-        self, parent: QWidget, title: str, item: SheetItem, value: Hashable, not_attempted: bool,
+        self, parent: QWidget, title: str, item: SheetItem, value: Hashable, was_attempted: bool,
         then: Callable[[Entered], None],
     ) -> None:
         """`value`: a number or a text; ignored if the item was not attempted."""
-        self._item = item
-        self._value = value
-        self._was_not_attempted = not_attempted
-        self.number: Optional[basic.WholeField] = None
-        self.tick: Optional[QCheckBox] = None
-        self.field: Union[NumberField, ChoiceField, None] = None
-        self.judge: Optional[QComboBox] = None
-        self._then = then
         super().__init__(parent, title, item.desc, tr("Save"))
-
-    def add_fields(self) -> None:
-        self.not_attempted = QCheckBox(tr("Not attempted"), checked=self._was_not_attempted)
-        field = self._field()
-        field.setEnabled(not self._was_not_attempted)
-        self.not_attempted.toggled.connect(lambda on: field.setEnabled(not on))
-        self.form.addRow(tr("Value"), field)
-        self.form.addRow("", self.not_attempted)
+        self._then = then
+        self.judge: Optional[QComboBox] = None
+        self.field = self._field(item, value if was_attempted else 0)
+        self.field.setEnabled(was_attempted)
+        self.not_attempted = QCheckBox(tr("Not attempted"), checked=not was_attempted)
+        self.not_attempted.toggled.connect(lambda on: self.field.setEnabled(not on))
         self.note = QLineEdit(maxLength=MAX_NOTE)
+        if item.judges:
+            self.judge = QComboBox()
+            self.judge.addItems(item.judges)
+            self.judge.currentIndexChanged.connect(lambda index: self.field.show_text(item.ratings[index]))
+            self.form.addRow(tr("Judge"), self.judge)
+        self.form.addRow(tr("Value"), self.field)
+        self.form.addRow("", self.not_attempted)
         self.form.addRow(tr("Note"), self.note)
         self.note.setFocus()
 
-    def _field(self) -> QWidget:
-        """Make the field of the item's type."""
-        item = self._item
-        value = 0 if self._was_not_attempted else self._value
+    @staticmethod
+    def _field(item: SheetItem, value: Hashable) -> QWidget:
+        """Return a field of the item's type."""
         if item.type == "bool":
-            self.tick = QCheckBox(tr("Yes"), checked=bool(value))
-            return self.tick
-        if item.type in ("uint", "int"):
-            least = 0 if item.type == "uint" else int(item.min or -MAX_VALUE)
-            self.number = basic.WholeField(minimum=least, maximum=int(item.max or MAX_VALUE), value=value)
-            return self.number
-        if item.type == "choice":
-            self.field = ChoiceField(item, lambda text: None)
-            self.field.show_text(str(value))
-            return self.field
-        self.field = NumberField(item, lambda text: None, may_be_empty=item.type == "rating")
-        if not item.judges:
-            self.field.show_text(str(value))
-            return self.field
-        self.judge = QComboBox()
-        self.judge.addItems(item.judges)
-        self.judge.currentIndexChanged.connect(lambda index: self.field.show_text(item.ratings[index]))
-        self.field.show_text(item.ratings[0])
-        self.form.addRow(tr("Judge"), self.judge)
-        return self.field
+            return QCheckBox(tr("Yes"), checked=bool(value))
+        if item.type in WHOLE_WORDS:
+            return basic.WholeField(minimum=least_of(item), maximum=most_of(item), value=value)
+        field = ChoiceField(item) if item.type == "choice" else NumberField(item, may_be_empty=item.type == "rating")
+        field.show_text(item.ratings[0] if item.judges else str(value))
+        return field
 
     def confirm(self) -> None:
         self.accept()
-        note = self.note.text().strip()
+        note, judge = self.note.text().strip(), "" if self.judge is None else self.judge.currentText()
         if self.not_attempted.isChecked():
-            self._then(Entered(not_attempted=True, note=note))
-        elif self.field is not None:
-            judge = "" if self.judge is None else self.judge.currentText()
-            self._then(Entered(0, self.field.text_value(), judge, False, note))
+            given = Entered(not_attempted=True, note=note)
+        elif isinstance(self.field, QCheckBox):
+            given = Entered(int(self.field.isChecked()), note=note)
+        elif isinstance(self.field, basic.WholeField):
+            given = Entered(self.field.value(), note=note)
         else:
-            value = int(self.tick.isChecked()) if self.tick is not None else self.number.value()
-            self._then(Entered(value, note=note))
+            given = Entered(text=self.field.text_value(), judge=judge, note=note)
+        self._then(given)
 
 
 # Groups whose names begin with this are never hidden.
@@ -385,15 +375,15 @@ class UndoRow(QWidget):
         self._off = ""
         line = basic.flat(QHBoxLayout(self))
         line.setSpacing(round(0.2 * basic.em()))
-        self._places = [self._place(number) for number in range(PLACES)]
-        for place in self._places:
+        self.places = [self._place(number) for number in range(PLACES)]
+        for place in self.places:
             line.addWidget(place.button)
         self.setFixedHeight(round(2.7 * basic.em()))
 
     @property
     def buttons(self) -> List[QPushButton]:
         """The buttons of all marks that can be undone."""
-        return [place.button for place, entry in zip(self._places, self._entries) if entry is not None]
+        return [place.button for place, entry in zip(self.places, self._entries) if entry is not None]
 
     def _place(self, number: int) -> _Place:
         button = basic.enlarged(QPushButton(), 0.9)
@@ -409,7 +399,7 @@ class UndoRow(QWidget):
         before, self._entries = self._entries, placed(self._entries, entries[:PLACES])
         self._off = off
         newest = entries[0].number if entries else 0
-        for place, old, entry in zip(self._places, before, self._entries):
+        for place, old, entry in zip(self.places, before, self._entries):
             if entry is not None and (old is None or old.number != entry.number):
                 place.held.start(basic.HOLD_MS)  # a click may be meant for the mark that was here
             self._show(place.button, entry, now_utc_s, newest)
@@ -432,12 +422,12 @@ class UndoRow(QWidget):
         button.setToolTip(basic.tip(f"{tr(UNDO, mark=sheets.mark_text(entry))} ({ago})\n{more}"))
 
     def _apply(self) -> None:
-        for place, entry in zip(self._places, self._entries):
+        for place, entry in zip(self.places, self._entries):
             place.button.setEnabled(entry is not None and not self._off and not place.held.isActive())
 
     def _press(self, number: int) -> None:
         entry = self._entries[number]
         if entry is not None:
-            self._places[number].held.start(basic.HOLD_MS)
+            self.places[number].held.start(basic.HOLD_MS)
             self._apply()
             self._withdraw(entry)

@@ -3,7 +3,7 @@
 import enum
 import html
 from functools import partial
-from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Type, Union
 
 from roah_rsbb.model.records import ScoreValue, SheetPoints
 from roah_rsbb.model.results import HistoryEntry
@@ -14,16 +14,17 @@ from roah_rsbb.rqt.calls import CallOutcome, Edits, RefereeName
 from roah_rsbb.rqt.model import Sheets
 from roah_rsbb.rqt.panels.panel import AnswerLine, Panel
 from roah_rsbb.rqt.panels.score_sheet import (
-    MAX_VALUE,
-    NO_JUDGE,
     PLACES,
     UNDO,
+    WHOLE_WORDS,
     ChoiceField,
     NumberField,
     RatingFields,
     ScoreDialog,
     SheetView,
     UndoRow,
+    least_of,
+    most_of,
 )
 from roah_rsbb.rqt.qt import (
     QFrame,
@@ -64,12 +65,12 @@ EditName = Tuple[str, str, str]  # and the judge
 Value = Union[int, str, NoValue]
 
 
-# Types whose value is a whole number.
-_WHOLE = ("bool", "uint", "int")
 _YES = tr_later("✔ Yes")
 _BOOL_TEXTS = {0: tr_later("No"), NOT_ATTEMPTED: tr_later("Not attempted")}
 # The items with these numbers have keys.
 LAST_KEY = 9
+# Of an item without judges.
+NO_JUDGE = ""
 # Widths of points and of a judge's field, in units of the font.
 POINTS_EMS, RATING_EMS = 3.0, 3.2
 
@@ -184,62 +185,63 @@ class ItemRow(QWidget):
             self.points.setToolTip(tr("{points} points", points=points))
 
 
-class ScoreRow(ItemRow):
-    """A yes-or-no item, or a whole number that is counted."""
+class BoolRow(ItemRow):
+    """A yes-or-no item."""
 
     def add_controls(self, item: SheetItem) -> None:
-        self._is_bool = item.type == "bool"
-        self.is_count = not self._is_bool
-        self._least = 0 if item.type == "uint" else int(item.min or -MAX_VALUE)
-        self._most = int(item.max or MAX_VALUE)
-        if self._is_bool:
-            self.toggle = basic.button("", lambda: self._change(0 if self._value == 1 else 1))
-            self.toggle.setCheckable(True)
-            self._buttons = [self.toggle]
-        else:
-            self.less = basic.button("−", self.take_back)
-            self.number = QLabel("0", alignment=Qt.AlignCenter)
-            self.more = basic.button("+", self.score)
-            self._buttons = [self.less, self.more]
-        for widget in self._buttons if self._is_bool else (self.less, self.number, self.more):
+        self.toggle = basic.button("", lambda: self._change(0 if self._value == 1 else 1))
+        self.toggle.setCheckable(True)
+        self._buttons = [self.toggle]
+        self.line.addWidget(self.toggle)
+
+    def set_widths(self, size: _Size) -> None:
+        self.toggle.setFixedWidth(round(size.wide_ems * basic.em()))
+
+    def score(self) -> None:
+        self._change(1)
+
+    def take_back(self) -> None:
+        self._change(0)
+
+    def show_value(self, value: Value, waiting: bool, why_off: str) -> None:
+        super().show_value(value, waiting, why_off)
+        self.toggle.setChecked(value == 1)
+        self.toggle.setText(f"{tr(_BOOL_TEXTS.get(value, _YES))}{' …' if waiting else ''}")
+        self.toggle.setAccessibleName(f"{self.text.text()}: {self.toggle.text()}")
+        basic.set_style(self.toggle, f"QPushButton {{ {basic.RUNNING.css} }}" if value == 1 and not why_off else "")
+
+
+class CountRow(ItemRow):
+    """A whole number that is counted."""
+
+    is_count = True
+
+    def add_controls(self, item: SheetItem) -> None:
+        self._least, self._most = least_of(item), most_of(item)
+        self.less = basic.button("−", self.take_back)
+        self.number = QLabel("0", alignment=Qt.AlignCenter)
+        self.more = basic.button("+", self.score)
+        self._buttons = [self.less, self.more]
+        for widget in (self.less, self.number, self.more):
             self.line.addWidget(widget)
 
     def set_widths(self, size: _Size) -> None:
-        em = basic.em()
-        if self._is_bool:
-            self.toggle.setFixedWidth(round(size.wide_ems * em))
-            return
         basic.enlarged(self.number, size.number, bold=True)
-        gaps = 2 * self.line.spacing()
+        width = round((size.wide_ems * basic.em() - 2 * self.line.spacing()) / 3)
         for widget in (self.less, self.number, self.more):
-            widget.setFixedWidth(round((size.wide_ems * em - gaps) / 3))
+            widget.setFixedWidth(width)
 
     def score(self) -> None:
-        """Count one more, or yes."""
-        if self._is_bool:
-            self._change(1)
-        elif _whole(self._value) < self._most:
+        if _whole(self._value) < self._most:
             self._count(1)
 
     def take_back(self) -> None:
-        """Count one less, or no."""
-        if self._is_bool:
-            self._change(0)
-        elif _whole(self._value) > self._least:
+        if _whole(self._value) > self._least:
             self._count(-1)
 
     def show_value(self, value: Value, waiting: bool, why_off: str) -> None:
         super().show_value(value, waiting, why_off)
-        mark = " …" if waiting else ""
-        if self._is_bool:
-            self.toggle.setChecked(value == 1)
-            self.toggle.setText(f"{tr(_BOOL_TEXTS.get(value, _YES))}{mark}")
-            self.toggle.setAccessibleName(f"{self.text.text()}: {self.toggle.text()}")
-            tone = basic.RUNNING
-            style = tone.css if value == 1 and not why_off else ""
-            basic.set_style(self.toggle, f"QPushButton {{ {style} }}" if style else "")
-            return
-        self.number.setText(f"{tr('n/a') if value is NOT_ATTEMPTED else value}{mark}")
+        self.number.setText(f"{tr('n/a') if value is NOT_ATTEMPTED else value}{' …' if waiting else ''}")
         self.number.setToolTip(tr("Not attempted") if value is NOT_ATTEMPTED else "")
         self.less.setEnabled(not why_off and _whole(value) > self._least)
         self.more.setEnabled(not why_off and _whole(value) < self._most)
@@ -309,6 +311,11 @@ class RatingRow(ItemRow):
         super().show_value(value, waiting, why_off)
         text = tr("n/a") if value is NOT_ATTEMPTED else str(value) or NOTHING
         self.result.setText(f"{text} …" if waiting else text)
+
+
+# By the types of items.
+ROWS: Dict[str, Type[ItemRow]] = {"bool": BoolRow, "uint": CountRow, "int": CountRow, "decimal": FieldRow,
+                                  "choice": FieldRow, "rating": RatingRow}
 
 
 class ModuleScores(QScrollArea):
@@ -412,15 +419,15 @@ class ScoringPanel(Panel):
         self.body.addWidget(self.points)
         self.undo = UndoRow(self._undo)
         self.body.addWidget(self.undo)
-        self._answer = AnswerLine()
+        self.answer = AnswerLine()
         self.referee = RefereeLine(client.referee)
         last = QHBoxLayout()
         last.addWidget(self.referee, 1)
-        last.addWidget(self._answer, 2)
+        last.addWidget(self.answer, 2)
         self.body.addLayout(last)
         for number in range(1, LAST_KEY + 1):
-            self._key(str(number), partial(self._press, number, ItemRow.score.__name__))
-            self._key(f"Shift+{number}", partial(self._press, number, ItemRow.take_back.__name__))
+            self._key(str(number), partial(self._press, number, lambda row: row.score()))
+            self._key(f"Shift+{number}", partial(self._press, number, lambda row: row.take_back()))
 
     def shutdown(self) -> None:
         self.referee.end()
@@ -450,7 +457,7 @@ class ScoringPanel(Panel):
             self._edits.clear()
             self._build(items)
             self.undo.show_entries([], self.model.now().utc, "")  # those of another run are new, though numbers repeat
-            self._answer.clear_answer()
+            self.answer.clear_answer()
         self.module_scores.show_scores(() if zone is None else zone.module_scores, self.model.is_old)
         if zone is None or not items:
             self._nothing.setText(tr(NO_RUN if zone is None or zone.phase == IDLE else NO_ITEMS))
@@ -470,7 +477,7 @@ class ScoringPanel(Panel):
         for item in items:
             row = self.rows[item.group, item.desc]
             name = (item.group, item.desc, NO_JUDGE)
-            published: Value = NOT_ATTEMPTED if item.not_attempted else item.value if item.type in _WHOLE else item.text
+            published = _value_of(item, item.type)
             judges = [(*name[:2], judge) for judge in item.judges]
             waiting = any(self._edits.is_waiting(each) for each in (name, *judges))
             row.show_value(self._edits.value(name, published), waiting, why_off)
@@ -495,20 +502,19 @@ class ScoringPanel(Panel):
         self.points.hide()
         for number, item in enumerate(items, 1):
             name = (item.group, item.desc)
-            kind = ScoreRow if item.type in _WHOLE else RatingRow if item.type == "rating" else FieldRow
-            self.rows[name] = kind(number, item, partial(self._change, name), partial(self._count, name),
-                                   partial(self._ask, item))
+            self.rows[name] = ROWS[item.type](number, item, partial(self._change, name), partial(self._count, name),
+                                              partial(self._ask, item))
             self.sheet.add(item.group, self.rows[name])
         self.sheet.settle()
         self._stack.setCurrentIndex(1 if items else 0)
 
     # -- changing -----------------------------------------------------------------------------------
 
-    def _press(self, number: int, act: str) -> None:
+    def _press(self, number: int, act: Callable[[ItemRow], None]) -> None:
         """The key of an item was pressed."""
         row = next((row for row in self.rows.values() if row.key == str(number)), None)
         if row is not None and not self.model.why_read_only(tr(SILENT)):
-            getattr(row, act)()
+            act(row)
 
     def _undo(self, entry: HistoryEntry) -> None:
         """Withdraw one of the last marks."""
@@ -517,7 +523,7 @@ class ScoringPanel(Panel):
             return
         what = tr(UNDO, mark=sheets.mark_text(entry))
         self.client.calls.act(self, "withdraw", zone.zone, zone.identity, {"entry": entry.number},
-                              self._answer.begin(what))
+                              self.answer.begin(what))
 
     def _change(self, item: ItemName, value: Value, judge: str = NO_JUDGE) -> None:
         """Handle another value that the referee set."""
@@ -559,25 +565,24 @@ class ScoringPanel(Panel):
 
         def then(given: Entered) -> None:
             if sheet == self._sheet:
-                value = NOT_ATTEMPTED if given.not_attempted else given.value if item.type in _WHOLE else given.text
                 send = partial(self._send_count, before=before) if row.is_count else self._send
-                send((*name, given.judge), value=value, note=given.note)
+                send((*name, given.judge), value=_value_of(given, item.type), note=given.note)
             else:
-                self._answer.warn(tr(
+                self.answer.warn(tr(
                     "Not saved: {item}. The score sheet of another run is shown now.", item=item.desc))
 
-        basic.show_dialog(ScoreDialog(self, self.where(), item, row.value, row.value is NOT_ATTEMPTED, then))
+        basic.show_dialog(ScoreDialog(self, self.where(), item, row.value, row.value is not NOT_ATTEMPTED, then))
 
     def _answered(self, sheet: tuple, item: EditName, value: Value, outcome: CallOutcome) -> None:
         what = f"{sheet[0]}: {item[1]} = {tr(sheets.NOT_ATTEMPTED) if value is NOT_ATTEMPTED else value}"
         if outcome.error:
-            self._answer.show_outcome(what, outcome)
+            self.answer.show_outcome(what, outcome)
         if sheet != self._sheet:
             return
         if outcome.error:
             self._edits.failed(item)
         else:
-            self._answer.clear_answer()
+            self.answer.clear_answer()
             is_count, answer = self.rows[item[:2]].is_count, outcome.result
             now = NOT_ATTEMPTED if answer["not_attempted"] else answer["value"]
             following = self._edits.carried_out(item, outcome.number, now if is_count else None)
@@ -598,6 +603,12 @@ def _scores_html(scores: Sequence[ScoreValue]) -> str:
         ]
     title = html.escape(tr("Score of the benchmarking module"))
     return f"<p>{title}</p><table>{''.join(rows)}</table>" if rows else ""
+
+
+def _value_of(given: Union[SheetItem, Entered], type_: str) -> Value:
+    if given.not_attempted:
+        return NOT_ATTEMPTED
+    return given.value if type_ in WHOLE_WORDS else given.text
 
 
 def _whole(value: Value) -> int:

@@ -4,12 +4,10 @@ from typing import Callable, List, Optional, Sequence, Tuple
 
 from roah_rsbb.rqt import basic
 from roah_rsbb.rqt.calls import CallOutcome
-from roah_rsbb.rqt.panels.actions import ask
+from roah_rsbb.rqt.panels.actions import FormDialog, ask
 from roah_rsbb.rqt.panels.panel import AnswerLine, CollapsingPanel, Panel
 from roah_rsbb.rqt.qt import (
     QAbstractItemView,
-    QDialog,
-    QDialogButtonBox,
     QFormLayout,
     QGridLayout,
     QHBoxLayout,
@@ -19,7 +17,6 @@ from roah_rsbb.rqt.qt import (
     Qt,
     QTableWidget,
     QTableWidgetItem,
-    QVBoxLayout,
     QWidget,
 )
 from roah_rsbb.wording import whole_box
@@ -66,8 +63,8 @@ class CoreStatusPanel(Panel):
             grid.addWidget(value, row, 2 * column + 1)
             grid.setColumnStretch(2 * column + 1, 1)
         self.body.addLayout(grid)
-        self._answer = AnswerLine()
-        self.body.addWidget(self._answer)
+        self.answer = AnswerLine()
+        self.body.addWidget(self.answer)
         self.exit = basic.CommandButton(
             tr("Exit …"), tr("End this client or the whole RSBB. You are asked first."), 1.0)
         self.exit.allow(True)
@@ -98,19 +95,19 @@ class CoreStatusPanel(Panel):
     def ask_reload(self) -> None:
         """Check the files, list what they change, then ask."""
         self.reload.hold()
-        self._answer.say(tr("Reading the configuration files …"))
+        self.answer.say(tr("Reading the configuration files …"))
         self.client.calls.call(self, RELOAD, self._ask_reload, digest="")
 
     def _ask_reload(self, found: CallOutcome) -> None:
         if found.error:
-            self._answer.show_outcome(tr("Reload"), found)
+            self.answer.show_outcome(tr("Reload"), found)
             return
-        self._answer.clear_answer()
+        self.answer.clear_answer()
         answer = found.result
         if answer["errors"]:
             self._show_lines(tr("Nothing was changed. Correct this first:"), answer["errors"])
         elif not answer["changes"]:
-            self._answer.say(tr("The files contain what is in force"))
+            self.answer.say(tr("The files contain what is in force"))
         else:
             warnings = [tr("Warning: {line}", line=line) for line in answer["warnings"]]
             heading = tr("Apply these changes? Connected runs keep what they began with.")
@@ -120,15 +117,15 @@ class CoreStatusPanel(Panel):
         basic.show_dialog(ReloadDialog(self, heading, list(lines), apply))
 
     def _apply(self, digest: str) -> None:
-        self._answer.say(tr("Reload …"))
+        self.answer.say(tr("Reload …"))
         self.client.calls.call(self, RELOAD, self._applied, digest=digest)
 
     def _applied(self, outcome: CallOutcome) -> None:
         if not outcome.error and outcome.result["errors"]:
             self._show_lines(tr("Nothing was changed. Correct this first:"), outcome.result["errors"])
-            self._answer.clear_answer()
+            self.answer.clear_answer()
         else:
-            self._answer.show_outcome(tr("Reload"), outcome)
+            self.answer.show_outcome(tr("Reload"), outcome)
 
     # -- exit ---------------------------------------------------------------------------------------
 
@@ -139,7 +136,7 @@ class CoreStatusPanel(Panel):
 
     def _ask(self, found: CallOutcome) -> None:
         if found.error:
-            self._answer.show_outcome(tr("Exit"), found)
+            self.answer.show_outcome(tr("Exit"), found)
             return
         runs = whole_box.runs_in_progress(map(self.model.zone_of, self.model.running_zones()))
         if found.result:
@@ -151,37 +148,28 @@ class CoreStatusPanel(Panel):
         ask(self, question, "\n\n".join([text, *in_progress]), yes, self._exit)
 
     def _exit(self) -> None:
-        self.client.node.exit(self.client.calls, self, self._answer.begin(tr("Exit")))
+        self.client.node.exit(self.client.calls, self, self.answer.begin(tr("Exit")))
 
 
 # Size, in units of the desktop's font.
 RELOAD_WIDE_EMS, RELOAD_HIGH_EMS = 52, 26
 
 
-class ReloadDialog(QDialog):
+class ReloadDialog(FormDialog):
     """Shows the lines, and calls `apply()` if the organiser confirms. Without `apply`, it can only be closed."""
 
     def __init__(self, parent: QWidget, heading: str, lines: List[str], apply: Optional[Callable[[], None]]) -> None:
-        super().__init__(parent, windowTitle=tr("Reload configuration"))
-        self.setAttribute(Qt.WA_DeleteOnClose)
-        box = QVBoxLayout(self)
-        label = basic.enlarged(QLabel(heading, wordWrap=True, textFormat=Qt.PlainText), 1.2, bold=True)
-        box.addWidget(label)
+        super().__init__(parent, tr("Reload configuration"), heading, "" if apply is None else tr("Apply"))
         self.lines = QPlainTextEdit("\n".join(lines), readOnly=True)
-        box.addWidget(self.lines, 1)
-        buttons = QDialogButtonBox()
-        buttons.accepted.connect(self.accept)
-        buttons.rejected.connect(self.reject)
-        if apply is None:
-            buttons.addButton(tr("Close"), QDialogButtonBox.RejectRole)
-        else:
-            self.apply = buttons.addButton(tr("Apply"), QDialogButtonBox.AcceptRole)
-            self.apply.setAutoDefault(False)
-            cancel = buttons.addButton(tr("Cancel"), QDialogButtonBox.RejectRole)
-            cancel.setDefault(True)
+        self.form.addRow(self.lines)
+        if apply is not None:
+            self.yes.setAutoDefault(False)
+            self.cancel.setDefault(True)
             self.accepted.connect(apply)
-        box.addWidget(buttons)
         self.resize(round(RELOAD_WIDE_EMS * basic.em()), round(RELOAD_HIGH_EMS * basic.em()))
+
+    def confirm(self) -> None:
+        self.accept()
 
 
 class TabletStatusPanel(Panel):
@@ -240,12 +228,10 @@ class ActiveRobotsPanel(CollapsingPanel):
         self.table.setFocusPolicy(Qt.NoFocus)
         self.body.addWidget(self.table, 1)
         self._links = LinkQuality()
-        # Also while the panel is hidden: the quality depends on the past.
-        self.model.ticked.connect(self._observe)
 
-    def shutdown(self) -> None:
-        self.model.ticked.disconnect(self._observe)
-        super().shutdown()
+    def watch(self) -> None:
+        super().watch()
+        self._observe()  # the quality depends on the past
 
     def _observe(self) -> None:
         if self.model.document is not None:

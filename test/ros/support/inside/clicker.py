@@ -78,10 +78,10 @@ class Clicker(QObject):
         panels = self._window.panels
         control = panels["BenchmarkControlPanel"]
         self._topic.publish(StringMsg(json.dumps({
-            "phase": control._phase.text(),
+            "phase": control.phase.text(),
             "leaves_at_once": not control._leaving(control.model.zone_name)[1],
-            "zone": control._zones.currentText(),
-            "event": control._event["name"].text(),
+            "zone": control.zones.currentText(),
+            "event": control.event_labels["name"].text(),
             "head": panels["OverviewPanel"].head.text(),
             "operation": panels["ManualOperationPanel"].text.text(),
             "operation_seen": _is_seen(panels["ManualOperationPanel"]),
