@@ -50,7 +50,7 @@ table.facts { width: auto; } table.facts th { width: 30mm; font-size: 10pt; }
 td.value { min-width: 28mm; width: 28mm; font-weight: bold; } .who { min-width: 34mm; width: 34mm; }
 .team, .change { min-width: 26mm; } .what { min-width: 34mm; }
 td.when { min-width: 23mm; width: 23mm; white-space: normal; font-size: 8.5pt; }
-.mark { font-size: 8pt; border: .2mm solid #111; border-radius: .8mm; padding: 0 1mm; white-space: nowrap; }
+.mark { font-size: 8pt; border: .2mm solid #111; border-radius: .8mm; padding: 0 1mm; }
 .bad { font-weight: bold; } del { color: #555; }
 .front { display: flex; flex-direction: column; min-height: 262mm; margin-bottom: 8mm; }
 .content { flex: 1 1 auto; min-height: 0; } .front + .front, .annex { break-before: page; }

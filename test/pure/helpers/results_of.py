@@ -3,10 +3,14 @@
 import json
 import pathlib
 
+import pytest
+
 from helpers.journals import UTC0, Writer
 from roah_rsbb.journal.log_dir import InForce, Texts, write_in_force
+from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreEntry, ScoreValue, SignOff, StopRecord
+from roah_rsbb.results.runs import records, run_result
 
 ACHIEVED, PENALIZED, DISQUALIFYING = "Achievements", "Penalized Behaviors", "Disqualifying Behaviors"
 DOOR, OBJECTS = "Detects the door", "Detects a changed object"
@@ -118,6 +122,13 @@ def write_competition(log_dir):
     texts = ((config / f"{name}.yaml").read_text("utf-8") for name in ("benchmarks", "schedule", "standings"))
     keep_files(log_dir, *texts)
     return writer.path
+
+
+def runs_in(path):
+    """All runs of a journal in which nothing is unreadable."""
+    reader = JournalReader(path)
+    return [run_result(reader, number, record, pytest.fail)
+            for number, record in enumerate(records(reader, pytest.fail), 1)]
 
 
 def keep_files(log_dir, benchmarks, schedule, *standings):

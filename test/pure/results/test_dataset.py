@@ -11,13 +11,13 @@ import pytest
 
 from helpers.golden import DATA
 from helpers.journals import Writer
-from helpers.results_of import full_record, task_record, write_competition
+from helpers.results_of import full_record, runs_in, task_record, write_competition
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model import records as all_records
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, Rating
 from roah_rsbb.results.dataset import FILES, HIDDEN, TABLES, DatasetOptions, names_of, write_dataset
-from roah_rsbb.results.runs import RobotPart, records, run_result
+from roah_rsbb.results.runs import RobotPart
 
 
 @pytest.fixture(scope="module")
@@ -28,10 +28,8 @@ def journal(tmp_path_factory):
 def written(journal, folder, anonymous=False, **options):
     """Write the data set of a journal; returns the rows by table, and the description."""
     folder.mkdir(exist_ok=True)
-    reader = JournalReader(journal)
-    names = names_of(reader) if anonymous else None
-    results = (run_result(reader, number, record, print) for number, record in enumerate(records(reader, print), 1))
-    write_dataset(str(folder), results, DatasetOptions(names, **options))
+    names = names_of(JournalReader(journal)) if anonymous else None
+    write_dataset(str(folder), runs_in(journal), DatasetOptions(names, **options))
     assert sorted(os.listdir(str(folder))) == sorted(FILES)
     tables = {}
     for table in TABLES:

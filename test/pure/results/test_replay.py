@@ -12,10 +12,10 @@ from helpers.competition import DOOR
 from helpers.journals import UTC0, Writer
 from helpers.replayed import ReplayedCompetition, SetClock
 from helpers.replayed import clock_at as times_at
-from helpers.results_of import EVIL, write_full_run
+from helpers.results_of import EVIL, runs_in, write_full_run
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.replay import page_parts, replay_data, replay_name, replay_of, replay_page
-from roah_rsbb.results.runs import records, run_moments, run_result
+from roah_rsbb.results.runs import run_moments
 from roah_rsbb.results.sheet import sheet_page
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.texts import visible
@@ -24,9 +24,9 @@ PARTS = page_parts(str(pathlib.Path(__file__).resolve().parents[3] / "resource" 
 
 
 def data_of(reader, number):
-    record = records(reader, pytest.fail)[number - 1]
-    result = run_result(reader, number, record, pytest.fail)
-    return replay_data(result, run_moments(reader, record.identity, pytest.fail), in_utc=True), record
+    result = runs_in(reader.path)[number - 1]
+    moments = run_moments(reader, result.record.identity, pytest.fail)
+    return replay_data(result, moments, in_utc=True), result.record
 
 
 @pytest.fixture(scope="module", params=[1, 2])
@@ -110,8 +110,7 @@ def test_clocks_that_only_pass_are_not_repeated(played):
 
 
 def _page(reader, number, **options):
-    record = records(reader, pytest.fail)[number - 1]
-    return replay_of(reader, run_result(reader, number, record, pytest.fail), PARTS, True, pytest.fail, **options)
+    return replay_of(reader, runs_in(reader.path)[number - 1], PARTS, True, pytest.fail, **options)
 
 
 # -- a clock that is set ----------------------------------------------------------------------------
@@ -142,7 +141,7 @@ def test_a_step_of_the_clock_does_not_change_the_times_of_a_replay(tmp_path, sec
 
 def _link_plot(reader):
     """The states and the time on the sheet of the first run, as they are drawn, and the sheet."""
-    text = sheet_page(run_result(reader, 1, records(reader, pytest.fail)[0], pytest.fail), True)
+    text = sheet_page(runs_in(reader.path)[0], True)
     return text[text.index(">Box<"):text.index("</svg>")], text
 
 

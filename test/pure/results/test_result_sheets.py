@@ -7,7 +7,7 @@ import re
 import pytest
 
 from helpers.journals import UTC0, Writer
-from helpers.results_of import EVIL, task_record, write_full_run
+from helpers.results_of import EVIL, runs_in, task_record, write_full_run
 from helpers.time_zones import local_time
 from roah_rsbb.journal.reader import JournalEntry, JournalReader
 from roah_rsbb.journal.records import Batch, OutcomeRow
@@ -17,7 +17,7 @@ from roah_rsbb.results.export import result_rows
 from roah_rsbb.results.lists import list_lines
 from roah_rsbb.results.page import tag
 from roah_rsbb.results.paper import front_of
-from roah_rsbb.results.runs import NotPossible, RobotPart, RunResult, find, records, run_result, run_state_text
+from roah_rsbb.results.runs import NotPossible, RobotPart, RunResult, find, records, run_state_text
 from roah_rsbb.results.sheet import sheet_lines, sheet_page
 from roah_rsbb.wording import texts, times
 
@@ -29,14 +29,8 @@ def lisbon():
         yield
 
 
-def read(writer, place=0):
-    """A run of the journal, read back."""
-    warnings = []
-    reader = JournalReader(writer.path)
-    known = records(reader, warnings.append)
-    result = run_result(reader, place + 1, known[place], warnings.append)
-    assert not warnings
-    return result
+def read(writer):
+    return runs_in(writer.path)[0]
 
 
 @pytest.fixture

@@ -10,13 +10,13 @@ import pytest
 from helpers import journaled
 from helpers.competition import BUMPS, DOOR
 from helpers.jury import Jury, judged
+from helpers.results_of import runs_in
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.journal.records import Kind
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.results.dataset import DatasetOptions, names_of, write_dataset
 from roah_rsbb.results.export import RESULT_COLUMNS, exported, result_rows, write_table
-from roah_rsbb.results.runs import records, run_result
 from roah_rsbb.results.sheet import sheet_lines, sheet_page
 
 
@@ -35,8 +35,7 @@ def jury(tmp_path):
 
 def _read(jury, then):
     reader = JournalReader(jury.driver.journal.path)
-    (record,) = records(reader, print)
-    return then(run_result(reader, 1, record, print), reader)
+    return then(*runs_in(reader.path), reader)
 
 
 def _texts(result, _reader=None):

@@ -16,7 +16,9 @@ from roah_rsbb.model.records import ItemRecord, ScoreEntry, ScoreValue, SignOff,
 from roah_rsbb.results import paper, printing
 from roah_rsbb.results.page import LONGEST_WORD, Competition, breakable, page, tag
 from roah_rsbb.results.paper import blank_front, cut, front_markup, front_of, layout_of, wrapped_lines
-from roah_rsbb.results.printing import NotPossible, Printer, print_pdf, without_font
+from roah_rsbb.results.printing import Printer, print_pdf, without_font
+from roah_rsbb.results.runs import NotPossible, RunResult
+from roah_rsbb.results.sheet import sheet_page
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.standing_rules import Criterion, OfRuns, Rules, Term, read_rules
@@ -235,30 +237,47 @@ def test_each_sheet_is_one_page(document, chromium, tmp_path):
     assert os.listdir(tmp_path) == ["all.pdf"]
 
 
-_MEASURE = """<script>document.title = JSON.stringify([...document.querySelectorAll('.front')].map(front => {
-  const content = front.querySelector('.content'), sign = front.querySelector('.signatures');
-  const right = content.getBoundingClientRect().right + 1;
-  const wide = [...content.querySelectorAll('td, th, p')].filter(e => e.getBoundingClientRect().right > right).length;
-  return [content.scrollHeight - content.clientHeight, wide, front.clientHeight,
-          sign.getBoundingClientRect().bottom - front.getBoundingClientRect().bottom]; }))</script>"""
+@pytest.fixture
+def measured(chromium, tmp_path):
+    """What a script returns of a page as on paper: the width of the page, and the rules for print."""
+    def measure(text, script):
+        ends = ("<style>body { width: 184mm !important; padding: 0 !important }</style>"
+                f"<script>document.title = JSON.stringify({script})</script></body>")
+        plain = re.sub(r"<meta http-equiv[^>]*>", "", text).replace("@media print", "@media screen")
+        (tmp_path / "all.html").write_text(plain.replace("</body>", ends), encoding="utf-8")
+        done = subprocess.run(
+            [chromium, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}",
+             "--window-size=1000,1400", "--dump-dom", (tmp_path / "all.html").as_uri()],
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, timeout=120, check=True, text=True)
+        return json.loads(html.unescape(re.search("<title>(.*?)</title>", done.stdout)[1]))
+    return measure
 
 
 @pytest.mark.long
-def test_nothing_is_cut_and_the_signatures_are_at_the_bottom(document, chromium, tmp_path):
-    """As on paper: the width of the page, and the rules for print."""
-    style = "<style>body { width: 184mm !important; padding: 0 !important }</style>"
-    plain = re.sub(r"<meta http-equiv[^>]*>", "", document).replace("@media print", "@media screen")
-    (tmp_path / "all.html").write_text(plain.replace("</body>", f"{style}{_MEASURE}</body>"), encoding="utf-8")
-    done = subprocess.run(
-        [chromium, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}",
-         "--window-size=1000,1400", "--dump-dom", (tmp_path / "all.html").as_uri()],
-        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, timeout=120, check=True, text=True)
-    measured = json.loads(html.unescape(re.search("<title>(.*?)</title>", done.stdout)[1]))
-    assert len(measured) == len(FRONTS)
-    for found, (cut_off, too_wide, height, below) in zip(FRONTS, measured):
-        assert (cut_off <= 0, too_wide) == (True, 0), (found.title, found.groups[:1], cut_off, layout_of(found)[0])
+def test_nothing_is_cut_and_the_signatures_are_at_the_bottom(document, measured):
+    found = measured(document, """[...document.querySelectorAll('.front')].map(front => {
+        const content = front.querySelector('.content'), sign = front.querySelector('.signatures');
+        const right = content.getBoundingClientRect().right + 1;
+        const wide = [...content.querySelectorAll('td, th, p')].filter(e => e.getBoundingClientRect().right > right);
+        return [content.scrollHeight - content.clientHeight, wide.length, front.clientHeight,
+                sign.getBoundingClientRect().bottom - front.getBoundingClientRect().bottom]; })""")
+    assert len(found) == len(FRONTS)
+    for each, (cut_off, too_wide, height, below) in zip(FRONTS, found):
+        assert (cut_off <= 0, too_wide) == (True, 0), (each.title, each.groups[:1], cut_off, layout_of(each)[0])
         assert 980 < height < 1000, "262 mm"
         assert abs(below) < 2
+
+
+@pytest.mark.long
+def test_no_table_of_the_appendix_is_wider_than_the_page(measured):
+    """A withdrawal with a long reason was."""
+    record = full_record()
+    history = tuple(entry._replace(withdrawn_utc=1.0, withdrawn_by="bert", withdrawn_note="seen twice, " * 20,
+                                   note="W" * 90, correction=True) for entry in record.history)
+    text = sheet_page(RunResult(1, record._replace(history=history), (), ()), True)
+    widths = measured(text, "[...document.querySelectorAll('.annex table')].map(e => e.scrollWidth - e.clientWidth "
+                            "+ Math.max(0, e.clientWidth - document.body.clientWidth))")
+    assert set(widths) == {0}
 
 
 @pytest.mark.long

@@ -22,9 +22,8 @@ from helpers.journals import UTC0, Writer
 from helpers.many_runs import write_journal
 from helpers.recorded_session import Replay, goals_of, waypoint
 from helpers.replayed import ReplayedCompetition
-from helpers.results_of import ACHIEVED, DOOR, EVIL, full_record, task_record, write_competition
+from helpers.results_of import ACHIEVED, DOOR, EVIL, full_record, runs_in, task_record, write_competition
 from roah_rsbb.journal.log_dir import JOURNAL
-from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, PhaseTime, ScoreEntry, ScoreValue, StopRecord
 from roah_rsbb.results import report_numbers
@@ -33,7 +32,6 @@ from roah_rsbb.results.program import files as writing
 from roah_rsbb.results.program import main as program
 from roah_rsbb.results.report import PAGES, Axes, plot
 from roah_rsbb.results.report_numbers import facts_of, link_period_s
-from roah_rsbb.results.runs import records, run_result
 from roah_rsbb.results.standings import RunChoice, standings
 from roah_rsbb.rulebook.standing_rules import read_rules
 
@@ -54,10 +52,8 @@ def report(journal, folder, *options):
 
 
 def facts(journal):
-    reader = JournalReader(journal)
-    known = records(reader, pytest.fail)
-    results = [run_result(reader, number, record, pytest.fail) for number, record in enumerate(known, 1)]
-    return known, [
+    results = runs_in(journal)
+    return [result.record for result in results], [
         facts_of(result, sum(event.bad for section in sections(result) for event in section.events))
         for result in results
     ]
@@ -275,7 +271,7 @@ def test_links_in_periods(tmp_path):
     for second in range(150):
         writer.link(LinkSample(1.0, received=9, lost=int(second == 70), gap_s=float(second == 130)))
     writer.close()
-    found = facts_of(run_result(JournalReader(writer.path), 1, record, pytest.fail), 0, 60).link
+    found = facts_of(runs_in(writer.path)[0], 0, 60).link
     assert {utc - UTC0: (link.received, link.lost, link.longest_gap_s, link.seconds) for (_, utc), link in found.items()
             } == {0.0: (540, 0, 0.0, 60.0), 60.0: (540, 1, 0.0, 60.0), 120.0: (270, 0, 1.0, 30.0)}
 
