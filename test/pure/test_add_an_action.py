@@ -27,7 +27,7 @@ def test_the_core_does_it_records_it_and_keeps_it_over_a_restart(tree):
         from roah_rsbb.core import effects
         from roah_rsbb.core.actions.table import Target
         from roah_rsbb.model.reason import Refused
-        from roah_rsbb.model.saved import freeze, thaw
+        from roah_rsbb.model.as_json import to_json, from_json
         from roah_rsbb.core.zones import ZoneState
         driver = BoxDriver(competition(tbm=["HGTKMH"]))
         found = {"idle": driver.off("extend")}
@@ -43,7 +43,7 @@ def test_the_core_does_it_records_it_and_keeps_it_over_a_restart(tree):
                 found.setdefault("refused", []).append(refused.reasons)
         driver.run(630.0)
         found["after the old limit"] = driver.view().phase
-        state = thaw(ZoneState, json.loads(json.dumps(freeze(driver.box.zones["tbm"].saved()))))
+        state = from_json(ZoneState, json.loads(json.dumps(to_json(driver.box.zones["tbm"].saved()))))
         found["kept"] = state.run.clock.extra
         driver.run(40.0)
         found["after the new one"] = driver.view().phase

@@ -12,8 +12,8 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.desks import RunJudging
 from roah_rsbb.core.views import sheets
 from roah_rsbb.document.calls import Call, Caller, Waiting
-from roah_rsbb.document.written import write
 from roah_rsbb.model.actions import EVERY
+from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.fields import is_encodable
@@ -123,10 +123,10 @@ class BoxCalls:
         return {"unsaved": encode(why)} if why else None
 
     def _sheet(self, found: Mapping[str, Any], caller: Caller) -> Any:
-        return write(self.sheet(run_of(found)))
+        return to_json(self.sheet(run_of(found)))
 
     def _judges(self, found: Mapping[str, Any], caller: Caller) -> Any:
-        return write(sheets.judged_run(self.judging(run_of(found), text(found, "judge"))))
+        return to_json(sheets.judged_run(self.judging(run_of(found), text(found, "judge"))))
 
 
 def exit_call(document: Callable[[], Document], end: Callable[[], Any]) -> Call:

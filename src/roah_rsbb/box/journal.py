@@ -23,11 +23,11 @@ from roah_rsbb.journal.log_dir import PreviousSession
 from roah_rsbb.journal.records import Batch, ChangesWriter, Kind, LinkRow, Member, NewEntry, OutcomeRow, RunRow
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model import run_log
-from roah_rsbb.model.clock import Now
+from roah_rsbb.model.as_json import BadData, from_json, to_json
+from roah_rsbb.model.clock import Anchor, Now
 from roah_rsbb.model.fields import MAX_TEXT
 from roah_rsbb.model.records import By, EndReason, RunRecord
 from roah_rsbb.model.results import UnsavedParts
-from roah_rsbb.model.saved import Anchor, BadState, freeze, thaw
 from roah_rsbb.model.zone import RunClock
 from roah_rsbb.rulebook.config import Config
 from roah_rsbb.scoring.unsaved import Unsaved
@@ -162,7 +162,7 @@ class CoreJournal:
         samples = self._box.link_samples(now, unreadable)
         if samples:
             self._journal.write(Batch(links=[
-                LinkRow(port, now.utc, now.mono, freeze(sample)) for port, sample in samples
+                LinkRow(port, now.utc, now.mono, to_json(sample)) for port, sample in samples
             ]))
         self._journal.look()
 
@@ -171,12 +171,12 @@ class CoreJournal:
     def _state_changed(self, now: Now, name: str) -> None:
         """Write a state for a restart, and how it changed for replays."""
         if name == BOX:
-            self._batch.states[BOX_STATE] = freeze(self._box.saved())
+            self._batch.states[BOX_STATE] = to_json(self._box.saved())
             return
         zone = self._box.zones.get(name)
         if zone is None:  # it was removed
             return
-        state = freeze(zone.saved())
+        state = to_json(zone.saved())
         self._batch.states[ZONE_STATE + name] = state
         if zone.run is None:
             self._written.pop(name, None)
@@ -250,7 +250,7 @@ class CoreJournal:
 
     def _record_changed(self, _now: Now, effect: effects.RecordChanged) -> None:
         record = effect.record
-        self._batch.outcomes[record.identity] = OutcomeRow(record.closed_utc or None, freeze(record))
+        self._batch.outcomes[record.identity] = OutcomeRow(record.closed_utc or None, to_json(record))
         self._records.append(record)
 
 
@@ -277,16 +277,16 @@ def saved_state(
     for name, state in before.states.items():
         try:
             if name == BOX_STATE:
-                box = thaw(BoxSaved, state, shift)
+                box = from_json(BoxSaved, state, shift)
             elif name.startswith(ZONE_STATE):
-                zones[name[len(ZONE_STATE):]] = thaw(ZoneState, state, shift)
-        except (BadState, ValueError, RecursionError) as error:
+                zones[name[len(ZONE_STATE):]] = from_json(ZoneState, state, shift)
+        except (BadData, ValueError, RecursionError) as error:
             what = "home devices and tablet" if name == BOX_STATE else f"zone {name[len(ZONE_STATE):]}"
             warnings.append(f"The journal's state of {what} cannot be read: {error}. It starts from its initial state")
     for outcome in before.outcomes:
         try:
-            records.append(thaw(RunRecord, outcome))
-        except (BadState, ValueError, RecursionError) as error:
+            records.append(from_json(RunRecord, outcome))
+        except (BadData, ValueError, RecursionError) as error:
             warnings.append(f"The journal's record of a run cannot be read, and cannot be corrected here: {error}")
     utc, mono = (now.utc, now.mono) if last is None else (last.utc, last.mono + shift)
     return Saved(utc, box, zones, tuple(records), mono=mono, stopped=unrecorded(stops, records, shift_of)), warnings

@@ -176,6 +176,7 @@ def _intact_size(path: str, _state: Tuple[int, ...]) -> int:
         end = frame.end
     return end
 
+
 def identity_in(head: bytes) -> str:
     """Return the identity of the journal to which the head of a segment belongs; empty: it is damaged."""
     try:

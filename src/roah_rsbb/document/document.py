@@ -12,7 +12,7 @@ import json
 from typing import Any, Dict, Generic, List, NamedTuple, Optional, Tuple, Type, TypeVar, get_type_hints
 
 from roah_rsbb.document.difference import SAME, changed, difference
-from roah_rsbb.document.written import BadDocument, Notation, entries_of, notation
+from roah_rsbb.model.as_json import BadData, Notation, entries_of, notation
 from roah_rsbb.model.clock import Now
 
 D = TypeVar("D")
@@ -130,7 +130,7 @@ class Followed(Generic[D]):
         self._sections: Dict[str, Any] = {}
 
     def take(self, message: Dict[str, Any]) -> bool:
-        """Take a message; returns whether there is another document. Raises `Gap`, and `BadDocument` if it is of
+        """Take a message; returns whether there is another document. Raises `Gap`, and `BadData` if it is of
         another kind of box: nothing has changed then."""
         if "whole" in message:
             sections = message["whole"]
@@ -139,7 +139,7 @@ class Followed(Generic[D]):
         else:
             return False
         if sections.__class__ is not dict or message.get("number").__class__ is not int:
-            raise BadDocument("the message has no sections, or no number")
+            raise BadData("the message has no sections, or no number")
         new = {name: _kept(self._sections.get(name), data) for name, data in sections.items()}
         is_same = self.document is not None and all(
             new.get(kind.name) is self._sections.get(kind.name) for kind in self._kinds)
@@ -161,25 +161,25 @@ class Followed(Generic[D]):
             if kind.name in sections:
                 try:
                     values[kind.name] = self._section(kind, sections[kind.name])
-                except BadDocument as error:
+                except BadData as error:
                     error.where = (kind.name, *error.where)
                     raise
         try:
             document: D = self._root(**values)
             return document
         except TypeError as error:
-            raise BadDocument(str(error)) from None
+            raise BadData(str(error)) from None
 
     def _section(self, kind: _Section, data: Any) -> Any:
         old = self._sections.get(kind.name)
         if old is data:
             return getattr(self.document, kind.name)
         if kind.entry is None or old is None or data.__class__ is not dict:
-            return kind.whole.read(data)
+            return kind.whole.read(data, 0.0)
         values, found = getattr(self.document, kind.name), {}
         for key, item in data.items():
             is_kept = key in old and (old[key] is item or old[key] == item)
-            found[key] = values[key] if is_kept else kind.whole.read({key: item})[key]
+            found[key] = values[key] if is_kept else kind.whole.read({key: item}, 0.0)[key]
         return found
 
 

@@ -4,8 +4,10 @@ Times in `_utc_s` are UTC seconds since 1970. Moments are on the box's monotonic
 see comes first: nothing but what stands there, and of that only what the organisers allow.
 """
 
+import json
 from typing import Dict, NamedTuple, Optional, Tuple
 
+from roah_rsbb.model.as_json import schema
 from roah_rsbb.model.reason import Said
 from roah_rsbb.model.records import ScoreValue, SheetPoints
 from roah_rsbb.model.results import EventSeen, Judging, RunLine, UnsavedParts
@@ -212,3 +214,7 @@ class Document(NamedTuple):
         """Return the results that the public may see, the newest first: those that are signed off, or the others."""
         return tuple(sorted((result for result in self.public_results.values() if result.signed is signed),
                             key=lambda result: -result.disconnected_utc_s))
+
+
+if __name__ == "__main__":
+    print(json.dumps(schema(Document), indent=1))  # docs/door.md

@@ -14,9 +14,9 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.zones import ZoneState
 from roah_rsbb.journal.log_dir import CONFIGURATION, kept_files
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.model.as_json import BadData, from_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import RunRecord
-from roah_rsbb.model.saved import BadState, thaw
 from roah_rsbb.results.runs import (
     LinkSecond,
     RunMoment,
@@ -60,8 +60,8 @@ class _Change(NamedTuple):
         if self.moment is None:
             return None
         try:
-            return thaw(ZoneState, self.moment.zone, self.moment.utc - self.moment.mono)
-        except BadState as error:
+            return from_json(ZoneState, self.moment.zone, self.moment.utc - self.moment.mono)
+        except BadData as error:
             raise CannotReplay(f"a state in the journal cannot be read ({error}): use the version of this software "
                                "that wrote it") from None
 

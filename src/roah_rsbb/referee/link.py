@@ -10,9 +10,9 @@ from typing import Any, Dict, Optional, cast
 
 from roah_rsbb.client.client import OLD_S, Answer, Client
 from roah_rsbb.client.places import START, DoorPlaces
-from roah_rsbb.document.written import read
 from roah_rsbb.ground.arguments import is_without_ros
 from roah_rsbb.model.actions import MARK
+from roah_rsbb.model.as_json import from_json
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.results import JudgedRun, RunSheet
@@ -107,11 +107,11 @@ class Link(Client[Document]):
     def run_sheet(self, zone: str, identity: str) -> RunSheet:
         """Return a run's score sheet; an empty identity: of the connected run, or the empty one of the zone's event.
         Raises as `act` does."""
-        return read(RunSheet, self.request("sheet", zone=zone, run=identity))
+        return from_json(RunSheet, self.request("sheet", zone=zone, run=identity))
 
     def judging(self, zone: str, identity: str) -> JudgedRun:
         """Return what the head referee may see of a run; raises as `act` does."""
-        return read(JudgedRun, self.request("judges", zone=zone, run=identity))
+        return from_json(JudgedRun, self.request("judges", zone=zone, run=identity))
 
     def request(self, name: str, **arguments: Any) -> Any:
         """Make a call of the box (docs/door.md, "Calls") and return its answer; raises as `act` does."""

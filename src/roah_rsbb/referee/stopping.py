@@ -14,7 +14,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tu
 
 from roah_rsbb.client.client import Answer, answer_of
 from roah_rsbb.document.document import Followed
-from roah_rsbb.document.written import BadDocument
+from roah_rsbb.model.as_json import BadData
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.reason import decode
 from roah_rsbb.model.zone import ENDED, RUNNING, ZoneSeen
@@ -161,7 +161,7 @@ class Stopping:
         self._named = ZoneStop(name or (ALL_ZONES if self.is_all else THE_RUN), self._begun_s)
         if sent is not None:
             followed = Followed(Document)
-            with contextlib.suppress(BadDocument):  # the link says the remedy
+            with contextlib.suppress(BadData):  # the link says the remedy
                 followed.take(sent.first)
                 self._before = followed.document
         if name and not self._answers:

@@ -31,9 +31,9 @@ from typing import (
 )
 
 from roah_rsbb.ground.durable import USUAL, write_file
+from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreEntry
 from roah_rsbb.model.run_log import KINDS, LogKind
-from roah_rsbb.model.saved import freeze
 from roah_rsbb.results.runs import NotPossible, RobotPart, RunResult, file_name, ratings, run_state_text, taken_s
 from roah_rsbb.results.standings import Standing
 from roah_rsbb.scoring.counting import Why
@@ -295,7 +295,7 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "_fields"):
         return {name: _plain(field) for name, field in zip(value._fields, value)}
     if dataclasses.is_dataclass(value):
-        return freeze(value)
+        return to_json(value)
     if isinstance(value, (list, tuple)):
         items: List[Any] = [_plain(item) for item in value]
         return items

@@ -18,8 +18,8 @@ from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Se
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.journal.records import Kind
 from roah_rsbb.model import run_log
+from roah_rsbb.model.as_json import BadData, from_json
 from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreValue
-from roah_rsbb.model.saved import BadState, thaw
 from roah_rsbb.results.events import TITLES, SectionLine, Stretch, box_states, in_order, robot_states
 from roah_rsbb.results.page import checksum, json_text, resource_texts
 from roah_rsbb.results.runs import (
@@ -201,8 +201,8 @@ def _counted(record: RunRecord, known: Sequence[RunMoment]) -> Iterable[Tuple[fl
             continue
         last = state, end
         try:
-            yield moment.utc, RunBook(form, thaw(BookState, state)).counted(end)
-        except BadState:
+            yield moment.utc, RunBook(form, from_json(BookState, state)).counted(end)
+        except BadData:
             continue  # a newer version wrote it: the sheet of the end is on the score sheet's page
 
 
@@ -214,8 +214,8 @@ def _module_scores(moment: RunMoment) -> List[List[str]]:
     """Return the scores of the benchmarking module: group, name and value."""
     scores = (moment.zone.get("for_module") or {}).get("scores", [])
     try:
-        known = [thaw(ScoreValue, score) for score in scores]
-    except BadState:
+        known = [from_json(ScoreValue, score) for score in scores]
+    except BadData:
         return []
     return [[visible(group), visible(line.name), visible(line.value)]
             for group, lines in scores_by_group(known) for line in lines]

@@ -7,9 +7,9 @@ from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Se
 from roah_rsbb.journal.reader import JournalEntry, JournalReader, JournalRun
 from roah_rsbb.journal.records import ChangesReader
 from roah_rsbb.model import run_log
+from roah_rsbb.model.as_json import BadData, from_json
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, JudgeSheet, RunRecord, Settlement
-from roah_rsbb.model.saved import BadState, thaw
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.sheets import with_counting
 from roah_rsbb.wording.times import NOTHING, date_time, elapsed
@@ -200,8 +200,8 @@ def signature_of(record: RunRecord, in_utc: bool) -> str:
 def _record(run: JournalRun, warn: Callable[[str], None]) -> RunRecord:
     if run.outcome:
         try:
-            return thaw(RunRecord, run.outcome)
-        except BadState as error:
+            return from_json(RunRecord, run.outcome)
+        except BadData as error:
             warn(_unreadable(run.identity, error))
     return RunRecord(*run[:8], closed_utc=run.closed_utc or 0.0)
 
@@ -212,8 +212,8 @@ def _unreadable(identity: str, error: Exception) -> str:
 
 def _link(reader: JournalReader, port: int, warn: Callable[[str], None]) -> Tuple[LinkSecond, ...]:
     try:
-        return tuple(LinkSecond(link.utc, thaw(LinkSample, link.sample), link.mono) for link in reader.links(port))
-    except BadState as error:
+        return tuple(LinkSecond(link.utc, from_json(LinkSample, link.sample), link.mono) for link in reader.links(port))
+    except BadData as error:
         warn(f"the link record of port {port} cannot be read ({error}): it is omitted")
         return ()
 

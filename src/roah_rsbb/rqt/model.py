@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Callable, Dict, List, NamedTuple, Optional
 
 from roah_rsbb.client.client import Client
 from roah_rsbb.client.places import DoorPlaces
-from roah_rsbb.document.written import read
+from roah_rsbb.model.as_json import from_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import BoxSeen, Document
 from roah_rsbb.model.messages import DevicesState
@@ -271,7 +271,7 @@ class Sheets:
             self._again.start()
         else:
             self._known.pop(identity, None)
-            self._known[identity] = _Known(asked_mono, revision, read(RunSheet, outcome.result))
+            self._known[identity] = _Known(asked_mono, revision, from_json(RunSheet, outcome.result))
             while len(self._known) > MAX_KEPT:
                 self._known.pop(next(iter(self._known)))
         self._asked = {i: asked for i, asked in self._asked.items() if i in self._known or i == identity}

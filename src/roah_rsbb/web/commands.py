@@ -7,9 +7,9 @@ from typing import Any, Dict, NamedTuple, Protocol, Tuple
 
 from roah_rsbb.client.client import Answer
 from roah_rsbb.document.calls import DEVICES, SET_DEVICE
-from roah_rsbb.document.written import read
 from roah_rsbb.model import fields as model_fields
 from roah_rsbb.model.actions import EVERY, JUDGES, MARK, STOP, Action
+from roah_rsbb.model.as_json import from_json
 from roah_rsbb.model.messages import DevicesSeen
 from roah_rsbb.model.results import JudgedRun, RunSheet
 from roah_rsbb.web.device_documents import devices_page, own_sheet, side_by_side, whole_sheet_page
@@ -156,7 +156,7 @@ class PageCalls:
         if not answer.is_answered:
             return Outcome((self._client.why,) if self._client.why else (), is_known=False)
         kind = _RESULTS.get(command.name)
-        result = answer.answer if kind is None or answer.reasons else read(kind, answer.answer)
+        result = answer.answer if kind is None or answer.reasons else from_json(kind, answer.answer)
         return Outcome(answer.reasons, is_confirmed=answer.is_known, result=result)
 
 

@@ -23,11 +23,11 @@ from roah_rsbb.core.effects import RunOpened
 from roah_rsbb.core.link.link import HERE_S
 from roah_rsbb.core.views import document
 from roah_rsbb.core.zones import ZoneState
+from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.fields import form_text
 from roah_rsbb.model.messages import DevicesState, RobotReport, TabletState
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
 from roah_rsbb.model.reason import Refused
-from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.radio import wire_convert
 from roah_rsbb.scoring.sheet import Mark
@@ -66,7 +66,7 @@ class ForgetfulDriver(BoxDriver):
 
 def _again(kind, state):
     """A saved state, from the journal."""
-    return thaw(kind, json.loads(json.dumps(freeze(state))))
+    return from_json(kind, json.loads(json.dumps(to_json(state))))
 
 
 class Play:
@@ -297,7 +297,7 @@ class Play:
         """Save the data that goes into the journal with every change."""
         box = self.driver.box
         for name in box.take_changed():
-            json.dumps(freeze(box.saved() if name == effects.BOX else box.zones[name].saved()))
+            json.dumps(to_json(box.saved() if name == effects.BOX else box.zones[name].saved()))
 
     def _look(self) -> None:
         """Make the messages that are published and sent periodically."""

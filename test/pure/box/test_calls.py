@@ -11,7 +11,7 @@ from roah_rsbb.box.calls import MAX_TEXT, BoxCalls, Disks
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.copies import unconfirmed
 from roah_rsbb.document.calls import Caller, Waiting, carried_out, waited
-from roah_rsbb.document.written import read
+from roah_rsbb.model.as_json import from_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.results import JudgedRun, RunSheet
@@ -145,17 +145,17 @@ def _text(value):
 def test_sheet_and_judges_of_a_run():
     driver = BoxDriver(competition(tbm=["HGTKMH"]))
     calls = BoxCalls(driver.box, driver.event).named()
-    empty = read(RunSheet, carried_out(calls["sheet"], {"zone": "tbm", "run": ""}, CALLER)["answer"])
+    empty = from_json(RunSheet, carried_out(calls["sheet"], {"zone": "tbm", "run": ""}, CALLER)["answer"])
     assert "refused" in carried_out(calls["sheet"], {"zone": "fbm", "run": ""}, CALLER)
     driver.connected()
     driver.score(BUMPS.group, BUMPS.desc, 2)
     found = carried_out(calls["sheet"], {"zone": "tbm", "run": ""}, CALLER)
-    sheet = read(RunSheet, json.loads(json.dumps(found["answer"])))
+    sheet = from_json(RunSheet, json.loads(json.dumps(found["answer"])))
     assert (sheet.run.identity, sheet.run.closed_utc_s) == (driver.run_in().identity, None)
     assert [(entry.item, entry.old, entry.value) for entry in sheet.history] == [(BUMPS.desc, 0, 2)]
     assert [item.value for item in sheet.items if item.desc == BUMPS.desc] == [2]
     assert (empty.run.identity, empty.run.team, [item.desc for item in empty.items]) == (
         "", sheet.run.team, [item.desc for item in sheet.items])
     judged = carried_out(calls["judges"], {"zone": "tbm", "run": sheet.run.identity}, CALLER)
-    assert read(JudgedRun, judged["answer"]).items == sheet.items
+    assert from_json(JudgedRun, judged["answer"]).items == sheet.items
     assert "refused" in carried_out(calls["sheet"], {"zone": "tbm", "run": "HWV-1-2"}, CALLER)

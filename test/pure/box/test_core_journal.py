@@ -16,11 +16,11 @@ from roah_rsbb.journal.log_dir import CoreSession, Resume
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model import run_log
+from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import DevicesState, TabletState
 from roah_rsbb.model.modules import RequestKind, ScoreValue
 from roah_rsbb.model.records import EndReason, Phase
-from roah_rsbb.model.saved import freeze
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.standby.beside_copy import Ahead
 
@@ -95,7 +95,7 @@ def essence(driver):
 
     found = {}
     for name in driver.box.zones:
-        state = freeze(driver.box.zones[name].saved())
+        state = to_json(driver.box.zones[name].saved())
         if state.get("run"):
             state["run"] = of_run(state["run"])
         if state.get("all_robots"):

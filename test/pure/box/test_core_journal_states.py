@@ -6,7 +6,7 @@ from helpers.journaled import box
 from roah_rsbb.core.views.document import clock_of
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.journal.records import ChangesReader, Kind
-from roah_rsbb.model.saved import freeze
+from roah_rsbb.model.as_json import to_json
 from roah_rsbb.protocol import RobotState
 
 
@@ -32,7 +32,7 @@ class _Watched:
             if zone.run is not None:
                 clock = clock_of(zone.run, zone.event.benchmark, driver.now)
                 self.states.setdefault(zone.run.identity, {})[driver.now.utc] = (
-                    freeze(zone.saved()), clock.spent(driver.now.mono))
+                    to_json(zone.saved()), clock.spent(driver.now.mono))
 
 
 def check(driver, watched):

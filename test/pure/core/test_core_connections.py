@@ -13,9 +13,9 @@ from roah_rsbb.core.continuing import BoxSaved, Saved
 from roah_rsbb.core.effects import Level, OpenChannel, PortTaken
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.zones import ZoneState
+from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.messages import DevicesState, TabletState
 from roah_rsbb.model.reason import Refused
-from roah_rsbb.model.saved import freeze, thaw
 
 
 def _connect(driver, zone="tbm"):
@@ -227,9 +227,9 @@ def driver():
 
 def _saved(driver, change=lambda zones: None):
     """The saved state, as JSON that `change` edits."""
-    zones = {name: json.loads(json.dumps(freeze(zone.saved()))) for name, zone in driver.box.zones.items()}
+    zones = {name: json.loads(json.dumps(to_json(zone.saved()))) for name, zone in driver.box.zones.items()}
     change(zones)
-    return Saved(driver.now.utc, BoxSaved(), {name: thaw(ZoneState, state) for name, state in zones.items()})
+    return Saved(driver.now.utc, BoxSaved(), {name: from_json(ZoneState, state) for name, state in zones.items()})
 
 
 def _restart(driver, saved, last_port, unusable_ports=()):

@@ -21,12 +21,12 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.continuing import BoxSaved, Saved
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.zones import ZoneState
-from roah_rsbb.model.clock import Now
+from roah_rsbb.model.as_json import from_json, to_json
+from roah_rsbb.model.clock import Anchor, Now
 from roah_rsbb.model.messages import DevicesState, TabletState
 from roah_rsbb.model.modules import RequestKind, ScoreValue
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import RunRecord
-from roah_rsbb.model.saved import Anchor, freeze, thaw
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, PhaseRule, Restarts
 from roah_rsbb.scoring.sheet import Mark
@@ -109,7 +109,7 @@ def restarted(driver):
 
 
 def _again(kind, state):
-    return thaw(kind, json.loads(json.dumps(freeze(state))))
+    return from_json(kind, json.loads(json.dumps(to_json(state))))
 
 
 def without_the_restart(found):
@@ -313,15 +313,15 @@ def test_a_state_that_the_version_before_wrote_is_continued(old, boot):
     now = Now(old["mono"], old["utc"]) if boot == "boot 1" else Now(50.0, old["utc"])
     shift = Anchor(old["mono"], old["utc"], "boot 1").shift(now, boot)
     zones = {
-        name[len("zone:"):]: thaw(ZoneState, state, shift)
+        name[len("zone:"):]: from_json(ZoneState, state, shift)
         for name, state in old["states"].items() if name.startswith("zone:")
     }
-    records = tuple(thaw(RunRecord, record) for record in old["outcomes"])
+    records = tuple(from_json(RunRecord, record) for record in old["outcomes"])
     box = Box(_config(), SETTINGS, beacon_bytes)
-    box.resume(now, Saved(now.utc, thaw(BoxSaved, old["states"]["box"]), zones, records))
+    box.resume(now, Saved(now.utc, from_json(BoxSaved, old["states"]["box"]), zones, records))
     expected = with_forms({name: state for name, state in old["states"].items() if name != "box"})
-    found = {f"zone:{name}": freeze(zone.saved()) for name, zone in box.zones.items()}
-    assert freeze(box.saved()) == old["states"]["box"]
+    found = {f"zone:{name}": to_json(zone.saved()) for name, zone in box.zones.items()}
+    assert to_json(box.saved()) == old["states"]["box"]
     for run in box.zones.runs():
         assert "The core was restarted at" in run.log
         saved = found[f"zone:{run.zone}"][_part(run)]

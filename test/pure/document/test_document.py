@@ -11,7 +11,7 @@ from helpers.examples import examples
 from helpers.toy_document import BOXES, RESULTS, ZONES, Box, Result, Toy, Zone, changes
 from roah_rsbb.document import document
 from roah_rsbb.document.document import DocumentReader, Followed, Gap, Written
-from roah_rsbb.document.written import BadDocument
+from roah_rsbb.model.as_json import BadData
 from roah_rsbb.model.clock import Now
 
 NOW = Now(5.0, 1000.0)
@@ -188,7 +188,7 @@ def test_a_wrong_document_changes_nothing():
     reader.take(written_of(HOME))
     wrong = ({"box": {"event": 1}}, "box.event"), ({"zones": {"Home": {"count": 1}}}, "zones.Home"), (7, "no sections")
     for whole, where in wrong:
-        with pytest.raises(BadDocument, match=where):
+        with pytest.raises(BadData, match=where):
             reader.followed.take({"number": 9, "whole": whole})
     assert reader.followed.document == HOME and reader.followed.number == 1_000_000
 

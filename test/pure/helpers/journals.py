@@ -5,7 +5,7 @@ import pathlib
 from roah_rsbb.journal.log_dir import CoreSession, Resume
 from roah_rsbb.journal.records import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
 from roah_rsbb.journal.store import Journal
-from roah_rsbb.model.saved import freeze
+from roah_rsbb.model.as_json import to_json
 
 UTC0 = 1763722800.0  # 2025-11-21 11:00 UTC
 
@@ -32,7 +32,7 @@ class Writer:
 
     def outcome(self, record):
         """A run's record changed."""
-        outcome = OutcomeRow(record.closed_utc or None, freeze(record))
+        outcome = OutcomeRow(record.closed_utc or None, to_json(record))
         self.journal.write(Batch(outcomes={record.identity: outcome}))
 
     def entry(self, kind, value, identity="", zone="tbm", port=6667, who="", after=1.0):
@@ -44,7 +44,7 @@ class Writer:
     def link(self, sample, port=6667, after=1.0):
         """A second of a link record."""
         self.utc += after
-        self.journal.write(Batch(links=[LinkRow(port, self.utc, self.utc - UTC0 + 10.0, freeze(sample))]))
+        self.journal.write(Batch(links=[LinkRow(port, self.utc, self.utc - UTC0 + 10.0, to_json(sample))]))
 
     def close(self):
         """The box ends."""

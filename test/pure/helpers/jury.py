@@ -4,8 +4,8 @@ import pytest
 
 from helpers.commands import mark_with
 from helpers.competition import BUMPS, DOOR, competition, event
+from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.reason import Refused, RunName
-from roah_rsbb.model.saved import freeze
 from roah_rsbb.model.scoring import Agreement, JudgesRule
 from roah_rsbb.scoring.sheet import Mark
 
@@ -41,10 +41,10 @@ class Jury:
 
     def refused(self, method, *arguments):
         """Return the reasons of a refusal, which changes nothing."""
-        before = freeze(self.record())
+        before = to_json(self.record())
         with pytest.raises(Refused) as refused:
             self.driver.event(method, *arguments)
-        assert freeze(self.record()) == before
+        assert to_json(self.record()) == before
         return refused.value.reasons
 
     def finish(self):

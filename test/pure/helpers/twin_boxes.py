@@ -17,8 +17,8 @@ from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.document import Documents
+from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.reason import Refused
-from roah_rsbb.model.saved import freeze
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.radio.driver import NetworkDriver
@@ -112,7 +112,7 @@ class Twin(NetworkDriver):
     def look(self):
         """Everything that anybody can see now."""
         now, zones = self.now(), self.box.zones.values()
-        states = [freeze(zone.saved()) for zone in zones]
+        states = [to_json(zone.saved()) for zone in zones]
         seen, self.seen = self.seen, []
         return (now, seen, self._documents.look(now), states, self.box.link_samples(now, self.radio.unreadable()),
                 self.box.deadline() is None)

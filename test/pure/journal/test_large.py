@@ -8,7 +8,7 @@ from helpers.journals import Writer
 from helpers.results_of import task_record
 from roah_rsbb.journal import contents
 from roah_rsbb.journal.records import Batch, LinkRow, NewEntry, OutcomeRow
-from roah_rsbb.model.saved import freeze
+from roah_rsbb.model.as_json import to_json
 
 PORTS = range(6667, 6711)
 BYTES = 90_000_000
@@ -33,7 +33,7 @@ def write_killed(before, log_dir):
             assert box.journal.why_not_saved(ticket) == ""
             size = sum(entry.stat().st_size for entry in os.scandir(box.path))
     # All are stopped at once.
-    box.journal.write(Batch(outcomes={record.identity: OutcomeRow(None, {**freeze(record), "end_reason": "stopped"})
+    box.journal.write(Batch(outcomes={record.identity: OutcomeRow(None, {**to_json(record), "end_reason": "stopped"})
                                       for record in records.values()}))
     shutil.copytree(str(before), str(log_dir))
     box.close()

@@ -6,8 +6,8 @@ import pickle
 
 import pytest
 
-from roah_rsbb.document.written import read, write
 from roah_rsbb.model.actions import ACTIONS, Shown
+from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.fields import Choice
 from roah_rsbb.model.reason import Reason, Template, decode, encode, joined, reason_of, say
 
@@ -54,12 +54,13 @@ def test_something_else_in_json_is_a_text(found):
 def test_actions_survive_json():
     robots = (Choice("robot", ACTIONS["connect"].fields[0].label, False, ("r1", "r2")),)
     for action in (Shown((SKEW(robot="r1", skew="+1 s"),), True, robots), Shown(("why",), False), Shown()):
-        found = read(Shown, json.loads(json.dumps(write(action))))
+        found = from_json(Shown, json.loads(json.dumps(to_json(action))))
         assert found == action
         assert [getattr(one, "values", None) for one in found.off][:1] in ([], [{}], [{"robot": "r1", "skew": "+1 s"}])
-    assert write(Shown()) == {}, "what is usual takes no bytes"
+    assert to_json(Shown()) == {}, "what is usual takes no bytes"
 
 
 def test_what_a_newer_box_may_send_is_read():
-    found = read(Shown, {"fields": [{"kind": "colour", "name": "c", "label": "Colour", "required": True}], "more": 1})
+    found = from_json(Shown, {
+        "fields": [{"kind": "colour", "name": "c", "label": "Colour", "required": True}], "more": 1})
     assert (found.fields[0].kind, found.fields[0].label) == ("text", "Colour")

@@ -9,9 +9,9 @@ import pytest
 
 from helpers.competition import UTC0
 from helpers.random_sheets import TIME_LIMIT_S, random_form, random_mark
+from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.records import By, RunRecord, SignOff
-from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.results.export import exported, result_rows, safe
 from roah_rsbb.results.paper import blank_front, front_of
 from roah_rsbb.results.runs import RunResult
@@ -37,7 +37,7 @@ def _record(chance, form, number, team):
         f"X-{number}-{now.utc:.3f}", "Home", "X", team, 1, number, UTC0, UTC0 + 1000.0 * number,
         closed_utc=now.utc, end_reason=reason, robots=("r1",), sign_off=SignOff(now.utc, "Chief")))
     record = record._replace(started_utc=UTC0 + 1000.0 * number)
-    return thaw(RunRecord, json.loads(json.dumps(freeze(record))))
+    return from_json(RunRecord, json.loads(json.dumps(to_json(record))))
 
 
 @pytest.mark.parametrize("seed", range(40))

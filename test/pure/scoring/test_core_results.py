@@ -7,10 +7,10 @@ import pytest
 from helpers.box_driver import BoxDriver, public_document
 from helpers.competition import BUMPS, DOOR, OBJECTS, UTC0, competition, event, run_record
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.records import By, RunRecord, ScoreEntry, SheetPoints, SignOff, StopRecord
-from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.rulebook.benchmarks import NO_RULES, CountingAttempt
 from roah_rsbb.rulebook.standing_rules import BY_POINTS
 from roah_rsbb.scoring import book, counting
@@ -227,7 +227,7 @@ def test_a_signed_off_sheet_is_final():
     signed = run.record
     assert signed.sign_off == SignOff(NOW.utc, "Cleo")
     again = FinishedRuns(BENCHMARKS)
-    again.restore([thaw(type(signed), freeze(signed))])
+    again.restore([from_json(type(signed), to_json(signed))])
     for finished in (run, again.find(signed.identity)):
         for change in (
             lambda run: run.mark(NOW, "Ben", Mark(BUMPS.group, BUMPS.desc, 3)),

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from helpers.competition import BUMPS, DOOR, OBJECTS, SCORING, UTC0
 from helpers.examples import examples
+from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Refused
-from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.model.scoring import ItemChoice, ScoreKind, ScoringItem
 from roah_rsbb.scoring import sheet as sheets
 from roah_rsbb.scoring.sheet import (
@@ -66,7 +66,7 @@ class Referee:
 
 def again(sheet, items):
     """The sheet after a restart."""
-    return ScoreSheet(items, thaw(SheetState, freeze(sheet.state)))
+    return ScoreSheet(items, from_json(SheetState, to_json(sheet.state)))
 
 
 @pytest.fixture

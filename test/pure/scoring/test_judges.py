@@ -14,9 +14,9 @@ from helpers.jury import Jury, judged
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.records import RunRecord
-from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.model.scoring import Agreement, ItemChoice, JuryResult, ScoreKind, ScoringItem
 from roah_rsbb.scoring.agreement import ItemValue, agreed
 from roah_rsbb.scoring.sheet import Mark
@@ -123,13 +123,13 @@ def test_what_a_judge_sends_again_is_no_error_and_opens_nothing(jury, ended):
         jury.submit("Ben")
         jury.finish()
         jury.sign_off()
-    before = freeze(jury.record())
+    before = to_json(jury.record())
     jury.driver.enter("judge_mark", jury.name, **again)
     assert jury.driver.box.outcome(Target(*jury.name), "judge_mark", again) == {
         "number": 1, "value": 2, "not_attempted": False, "text": ""}
     if ended == "signed off":
         jury.submit("Ann")
-    assert freeze(jury.record()) == before
+    assert to_json(jury.record()) == before
 
 
 def test_a_withdrawn_sheet_is_not_submitted_again_empty(jury):
@@ -393,7 +393,7 @@ def test_a_core_that_is_killed_after_every_event_keeps_everything(tmp_path):
         )
 
     assert without_times(killed.record()) == without_times(plain.record())
-    assert thaw(RunRecord, freeze(killed.record())) == killed.record()
+    assert from_json(RunRecord, to_json(killed.record())) == killed.record()
 
 
 @pytest.mark.parametrize("end", ["withdrawn", "no_show"])

@@ -10,8 +10,8 @@ from helpers.journaled import box as journaled_box
 from roah_rsbb.core import effects
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model import run_log
+from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.reason import MAX_WHO, Refused, RunName
-from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.scoring.book import FinishedRun
@@ -139,10 +139,10 @@ def test_a_finished_run_of_an_older_journal_has_no_marks(driver):
     _mark(driver, name, _plus(1))
     driver.command("disconnect")
     record = driver.box.finished.find(name.identity).record
-    frozen = freeze(record)
+    frozen = to_json(record)
     del frozen["marks"]
     del frozen["history"][0]["added"]
-    old = FinishedRun(thaw(type(record), frozen), Benchmark("HGTKMH", "", "", 0.0, 0.0, ITEMS))
+    old = FinishedRun(from_json(type(record), frozen), Benchmark("HGTKMH", "", "", 0.0, 0.0, ITEMS))
     assert [item.value for item in old.record.items if item.desc == "bumps"] == [1]
     assert old.sheet.taken("mark 1") is None
 

@@ -9,10 +9,10 @@ import pytest
 from helpers.competition import UTC0, benchmark, event
 from helpers.examples import few
 from helpers.random_sheets import TIME_LIMIT_S, random_form, random_mark
+from roah_rsbb.model.as_json import BadData, from_json, to_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import By, ItemRecord, RunRecord
-from roah_rsbb.model.saved import BadState, freeze, thaw
 from roah_rsbb.model.scoring import (
     GroupLimits,
     ItemChoice,
@@ -262,7 +262,7 @@ def test_random_sheets_have_the_points_of_a_second_implementation(seed):
     assert Fraction(record.points.total) == total
     assert {name: Fraction(points) for name, points in record.points.groups} == groups
     # A restart, and a finished run whose benchmark is no longer configured, show the same.
-    again = thaw(RunRecord, freeze(record))
+    again = from_json(RunRecord, to_json(record))
     assert again == record
     shown = FinishedRun(again, benchmark("X", scoring=())).record
     assert (shown.items, shown.points) == (record.items, record.points)
@@ -343,13 +343,13 @@ def test_ratings_of_two_judges_within_a_moment_are_two_entries(book):
 def test_a_plain_sheet_is_recorded_as_ever():
     record = RunBook(benchmark("HGTKMH").form).into(Book().record(points=None, form=None))
     assert (record.points, record.form) == (None, None)
-    assert "points" not in str(freeze(record)["items"])
-    assert set(freeze(record)["items"][0]) == {"group", "desc", "kind", "value"}
+    assert "points" not in str(to_json(record)["items"])
+    assert set(to_json(record)["items"][0]) == {"group", "desc", "kind", "value"}
 
 
 def test_a_correction_counts_by_the_rules_of_the_run(book):
     book.set(OBJECTS, 1).end()
-    run = FinishedRun(thaw(RunRecord, freeze(book.record())), event("X").benchmark)
+    run = FinishedRun(from_json(RunRecord, to_json(book.record())), event("X").benchmark)
     run.mark(book.now.later(60.0), "Anna", Mark(*OBJECTS.key, 3))
     assert run.record.points.total == "60"
     with pytest.raises(Refused, match="from 0 to 5"):
@@ -362,7 +362,7 @@ def test_a_sheet_of_an_old_journal_has_no_points():
                {"group": "Good", "desc": "door", "kind": "bool", "value": 1},
                {"group": "Good", "desc": "of the future", "kind": "colour", "value": 0}],
            "history": [{"number": 1, "utc": 3.0, "who": "Anna", "group": "Good", "desc": "door", "old": 0, "value": 1}]}
-    record = thaw(RunRecord, old)
+    record = from_json(RunRecord, old)
     assert record.items[0] == ItemRecord("Good", "door", "bool", 1)
     run = FinishedRun(record, benchmark("HWV"))
     run.mark(Now(1.0, UTC0), "Anna", Mark("Good", "door", 0))
@@ -373,10 +373,10 @@ def test_a_sheet_of_an_old_journal_has_no_points():
 
 @pytest.mark.parametrize("text", ["ten", "NaN", 10])
 def test_a_damaged_rule_is_no_traceback(book, text):
-    frozen = freeze(book.record())
+    frozen = to_json(book.record())
     frozen["form"]["items"][0]["points"] = text
-    with pytest.raises(BadState):
-        thaw(RunRecord, frozen)
+    with pytest.raises(BadData):
+        from_json(RunRecord, frozen)
 
 
 def test_points_are_counted_once_until_something_changes(book):

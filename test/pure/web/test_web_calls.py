@@ -7,7 +7,7 @@ import pytest
 
 from helpers.shown_box import EVENT
 from roah_rsbb.client.client import UNANSWERED, Answer
-from roah_rsbb.document.written import write
+from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.results import JudgedRun, Judging, RunLine, RunSheet
 from roah_rsbb.web.commands import Outcome, PageCalls, call_of, command_of
@@ -82,9 +82,9 @@ def test_why_there_is_no_connection_is_said():
 def test_sheets_and_judges_are_values():
     line = RunLine("run 1", 1, "Home", EVENT.code, "Alpha", 1, 1, 10.0)
     sheet = RunSheet(line, ("R",), 3.5, (), (), ())
-    client = Client(Answer(4, write(sheet)))
+    client = Client(Answer(4, to_json(sheet)))
     assert outcome(client, "sheet").result == sheet
     judged = JudgedRun(Judging("Home", "run 1"), (), submitted=True)
-    client = Client(Answer(4, write(judged)))
+    client = Client(Answer(4, to_json(judged)))
     assert outcome(client, "judging").result == judged
     assert client.calls == [("judges", {**RUN, **WHO, "judge": "Anna"})]

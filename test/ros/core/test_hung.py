@@ -22,10 +22,10 @@ from support.programs import Program
 from support.waiting import LIMIT_S, wait_until
 
 from helpers.forms import answer_in, form
-from roah_rsbb.document.written import read
 from roah_rsbb.ground.signs_of_life import SIGN
 from roah_rsbb.journal.log_dir import JOURNAL, holder_of
 from roah_rsbb.journal.records import Kind
+from roah_rsbb.model.as_json import from_json
 from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.model.results import RunSheet
 
@@ -134,7 +134,7 @@ class TestHungCore(OwnCoreCase):
 
     def sheet(self) -> RunSheet:
         """The sheet of the run."""
-        return read(RunSheet, self.box.ask("sheet", zone=HOME, run=self.identity))
+        return from_json(RunSheet, self.box.ask("sheet", zone=HOME, run=self.identity))
 
     def assert_marks(self) -> None:
         """All that was acknowledged is on the sheet."""

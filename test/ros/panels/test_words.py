@@ -8,7 +8,7 @@ from support.fakes.core import NOT_ATTEMPTED
 from support.gui_testing import Qt, QTest, QWidget, click, limit, opened, wait_until
 from support.panel_case import BUMPS, DOOR, PanelCase, Settings
 
-from roah_rsbb.document.written import write
+from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.reason import RunName
 from roah_rsbb.model.results import RunLine, RunSheet
 from roah_rsbb.rqt.calls import CallOutcome
@@ -29,7 +29,7 @@ class TestSheets(unittest.TestCase):
         for run in runs:
             self.assertIsNone(sheets.newest(run))
         for number in (1, 0):
-            done[number](CallOutcome("", write(RunSheet(runs[number], (), 0.0, (), (), ()))))
+            done[number](CallOutcome("", to_json(RunSheet(runs[number], (), 0.0, (), (), ()))))
             self.assertEqual(sheets.newest(runs[1]).run, runs[1])
 
 

@@ -5,7 +5,7 @@ import signal
 from support.box_case import BoxCase
 from support.referee_program import Referee, referee
 
-from roah_rsbb.document.written import read
+from roah_rsbb.model.as_json import from_json
 from roah_rsbb.model.results import RunSheet
 
 
@@ -24,7 +24,7 @@ class TestRun(BoxCase):
         """The score sheet of the last run."""
         self.box.wait_current()
         run = next(run for run in self.box.document.runs() if run.zone == self.ZONE)
-        return read(RunSheet, self.box.ask("sheet", zone=self.ZONE, run=run.identity))
+        return from_json(RunSheet, self.box.ask("sheet", zone=self.ZONE, run=run.identity))
 
     def test_a_robot_completes_it(self) -> None:
         run = self.start("--score", "kimble rings=yes", "--score", "false alarm=+2", "--by", "Ada")

@@ -17,7 +17,7 @@ from support.connections import process_of
 from support.gateway import CORE, URL, ask, wait_served
 from support.waiting import wait_until
 
-from roah_rsbb.document.written import read
+from roah_rsbb.model.as_json import from_json
 from roah_rsbb.model.results import JudgedRun, RunSheet
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -142,7 +142,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
 
     def sheet_of(self, zone: str, identity: str) -> RunSheet:
         """The score sheet of a run in a zone."""
-        return read(RunSheet, self.box.ask("sheet", zone=zone, run=identity))
+        return from_json(RunSheet, self.box.ask("sheet", zone=zone, run=identity))
 
     def values(self) -> Dict[str, int]:
         """The values of the scoring items."""
@@ -495,7 +495,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
 
     def judging(self, identity: str, judge: str = "") -> JudgedRun:
         """What the core shows of the judges."""
-        return read(JudgedRun, self.box.ask("judges", zone=HALL, run=identity, judge=judge))
+        return from_json(JudgedRun, self.box.ask("judges", zone=HALL, run=identity, judge=judge))
 
     def test_two_judges_who_differ(self) -> None:
         identity = self.judged()

@@ -58,7 +58,7 @@ FAULTS = (
           "            self._batch.outcomes[record.identity] = "),
     Fault("used ports are forgotten in a restart", "roah_rsbb.box.assembly",
           "max(last_ports), version)", "0, version)"),
-    Fault("a restarted core does not use the time that passed", "roah_rsbb.model.saved",
+    Fault("a restarted core does not use the time that passed", "roah_rsbb.model.clock",
           "        return now.mono - passed - self.mono\n", "        return now.mono - self.mono\n"),
     # -- what a referee relies on
     Fault("STOP is ignored for a silent robot", "roah_rsbb.core.runs.run",

@@ -8,7 +8,7 @@ from roah_rsbb.box.journal import ZONE_STATE
 from roah_rsbb.core.runs.run import Run
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.log_dir import JOURNAL
-from roah_rsbb.model.saved import freeze
+from roah_rsbb.model.as_json import to_json
 from roah_rsbb.protocol import wire_ns
 from roah_rsbb.rulebook.benchmarks import Durable
 
@@ -145,7 +145,7 @@ class Oracles:
             self._world.ledger.lost(box.storage.kept_until(self._killed_at, power), keeps_stop=lambda at: not power)
         if core is None or power or core.store.committed < core.journal._ticket or core.box.is_superseded:
             return
-        self._before[box] = {zone.name: _lasting(freeze(zone.saved())) for zone in core.box.zones.values()}
+        self._before[box] = {zone.name: _lasting(to_json(zone.saved())) for zone in core.box.zones.values()}
 
     def opened(self, box, core):
         """A core has opened the journal that another one left."""

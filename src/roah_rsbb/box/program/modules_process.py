@@ -37,9 +37,9 @@ from roah_rsbb.bmbox.host.host import ModulesHost
 from roah_rsbb.bmbox.host.limits import checked_state
 from roah_rsbb.ground import linux
 from roah_rsbb.ground.arguments import without_ros
+from roah_rsbb.model.as_json import BadData, from_json, to_json
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, RunForModule
 from roah_rsbb.model.reason import Template, say
-from roah_rsbb.model.saved import BadState, freeze, thaw
 from roah_rsbb.rulebook.errors import Place, Report
 
 COMMAND = "modules"  # of `roah-rsbb`; not for users
@@ -197,9 +197,9 @@ class ModulesProcess:
                     level, text = found["log"]
                     _log.log(int(level), "%s", text)
                     return
-                self._said = line, checked_state(thaw(ModulesState, found["state"]))
+                self._said = line, checked_state(from_json(ModulesState, found["state"]))
             self._take(self._said[1])
-        except (BadState, ValueError, TypeError, KeyError) as error:
+        except (BadData, ValueError, TypeError, KeyError) as error:
             _log.error("The process of the benchmarking modules sent what cannot be read: %s", error)
 
     def _write(self) -> None:
@@ -214,7 +214,7 @@ class ModulesProcess:
                         process.stdin.close()
                     return
                 assert process is not None and process.stdin is not None, "it is waited for"
-                process.stdin.write(json.dumps({"runs": [freeze(run) for run in runs]}) + "\n")
+                process.stdin.write(json.dumps({"runs": [to_json(run) for run in runs]}) + "\n")
                 process.stdin.flush()
             except OSError:  # it has just ended
                 if self._is_closed:
@@ -368,7 +368,7 @@ def main(arguments: Optional[List[str]] = None, make_frames: Callable[[], Frames
 
     def send(state: ModulesState) -> None:
         traces.live()
-        output.send({"state": freeze(state)})
+        output.send({"state": to_json(state)})
 
     host = ModulesHost(
         loop, options.folder, options.codes,
@@ -377,7 +377,7 @@ def main(arguments: Optional[List[str]] = None, make_frames: Callable[[], Frames
 
     def follow() -> None:
         for line in reading:
-            runs = tuple(thaw(RunForModule, run) for run in json.loads(line)["runs"])
+            runs = tuple(from_json(RunForModule, run) for run in json.loads(line)["runs"])
             loop.call_soon_threadsafe(host.take, runs)
         os._exit(0)  # whatever the rules do
 

@@ -27,8 +27,7 @@ from dataclasses import dataclass
 from typing import Callable, Dict, NamedTuple, Optional
 
 from roah_rsbb.core.robots import RobotId
-from roah_rsbb.model.clock import Now
-from roah_rsbb.model.saved import Mono
+from roah_rsbb.model.clock import Mono, Now
 
 # A new timeline is accepted only if nothing has arrived on the old one for this long. A robot sends every second, so it
 # may lose one datagram and still count as active.

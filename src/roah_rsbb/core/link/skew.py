@@ -10,8 +10,8 @@ import operator
 from collections import deque
 from typing import Deque, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.model.clock import Mono
 from roah_rsbb.model.reason import say
-from roah_rsbb.model.saved import Mono
 from roah_rsbb.wording import times
 
 # Three beacons: after this long, a corrected clock has replaced all old samples.

@@ -10,11 +10,10 @@ from dataclasses import dataclass, field
 from typing import List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.model.clock import Now
+from roah_rsbb.model.clock import Mono, Now
 from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.records import PhaseTime
-from roah_rsbb.model.saved import Mono
 from roah_rsbb.model.zone import Count
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, PhaseRule

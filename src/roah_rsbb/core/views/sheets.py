@@ -5,6 +5,7 @@ import zlib
 from typing import Iterable, List, Optional, Sequence, Tuple
 
 from roah_rsbb.core.desks import RunJudging
+from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.reason import joined
 from roah_rsbb.model.records import ItemRecord, JudgeSheet, Objection, RunRecord, ScoreEntry, grouped
 from roah_rsbb.model.results import (
@@ -23,7 +24,6 @@ from roah_rsbb.model.results import (
     RunLine,
     RunSheet,
 )
-from roah_rsbb.model.saved import freeze
 from roah_rsbb.model.scoring import Number, ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.scoring.counting import Why
@@ -104,7 +104,7 @@ def timeless(record: RunRecord) -> RunRecord:
 
 
 def _revision(record: RunRecord) -> int:
-    return zlib.crc32(json.dumps(freeze(timeless(record))).encode())
+    return zlib.crc32(json.dumps(to_json(timeless(record))).encode())
 
 
 def _groups(items: Iterable[ItemRecord]) -> List[GroupOfValues]:
@@ -173,4 +173,5 @@ def _objection(one: Objection) -> ObjectionLine:
 
 def _judging_revision(record: RunRecord) -> int:
     """A checksum of all that `judged_run` depends on."""
-    return zlib.crc32(json.dumps(freeze((record.judging, record.publication, record.items))).encode())
+    return zlib.crc32(json.dumps([
+        to_json(record.judging), to_json(record.publication), *map(to_json, record.items)]).encode())

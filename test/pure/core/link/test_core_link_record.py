@@ -13,9 +13,9 @@ from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.comm.frame import decode_private
 from roah_rsbb.core.link.link import RobotLink
 from roah_rsbb.core.link.record import skipped_states
+from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import LinkSample, RobotReport
-from roah_rsbb.model.saved import freeze, thaw
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BURST_COUNT, BURST_INTERVAL_S, BoxState, RobotState, sent_after_change, wire_seconds
 from roah_rsbb.radio import wire_convert
@@ -386,8 +386,8 @@ def test_a_sample_is_kept_as_little_text(line):
     line.sample()
     line.sends()
     sample = line.sample()
-    assert freeze(sample) == {"seconds": 1.0, "received": 1, "gap_s": 1.0, "skew_s": 0.0, "host": "10.0.0.2"}
-    assert thaw(LinkSample, freeze(sample)) == sample
+    assert to_json(sample) == {"seconds": 1.0, "received": 1, "gap_s": 1.0, "skew_s": 0.0, "host": "10.0.0.2"}
+    assert from_json(LinkSample, to_json(sample)) == sample
 
 
 def test_the_box_takes_samples_of_all_runs():

@@ -321,8 +321,6 @@ def test_a_module_that_asks_without_end_is_stopped():
     assert "more than 2000" in driver.run_in().desc
 
 
-
-
 def test_manual_operations_do_not_count_and_goals_do():
     driver, modules, robot = started()
     modules.asks(RequestKind.REFEREE, text="Place it")

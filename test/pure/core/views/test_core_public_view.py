@@ -254,8 +254,6 @@ def test_what_cannot_be_made_for_the_public_hides_nothing_from_the_referees():
     assert isinstance(documents.fault, OverflowError)
 
 
-
-
 def explained(driver, results=OUTCOMES, with_texts=False):
     (found,) = public_document(driver, results, robot_texts=with_texts).runs_shown()
     return found

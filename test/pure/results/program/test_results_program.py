@@ -18,9 +18,9 @@ from roah_rsbb.journal.contents import superseded_value
 from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.journal.records import Batch, Kind, OutcomeRow
+from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, PhaseTime, RunRecord, ScoreEntry, ScoreValue
-from roah_rsbb.model.saved import freeze
 from roah_rsbb.results import export
 from roah_rsbb.results.export import RESULT_COLUMNS, STANDING_COLUMNS
 from roah_rsbb.results.lists import list_lines
@@ -81,7 +81,7 @@ def test_a_head_that_cannot_be_read_costs_only_itself(run, tmp_path, change):
     writer = Writer(tmp_path)
     record = task_record("A", 1)
     writer.run(record)
-    outcome = OutcomeRow(record.closed_utc, {**freeze(record), **change})
+    outcome = OutcomeRow(record.closed_utc, {**to_json(record), **change})
     writer.journal.write(Batch(outcomes={record.identity: outcome}))
     writer.close()
     status, out, err = run("list", source=("--journal", writer.path))

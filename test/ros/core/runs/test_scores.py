@@ -8,7 +8,7 @@ from support.box_case import BoxCase
 from support.box_client import Refusal
 from support.waiting import LIMIT_S
 
-from roah_rsbb.document.written import read
+from roah_rsbb.model.as_json import from_json
 from roah_rsbb.model.results import RunSheet
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.referee import link as terminal
@@ -24,7 +24,7 @@ class TestScores(BoxCase):
 
     def sheet(self, identity: str = "") -> RunSheet:
         """The sheet of a run; of the connected one without an identity."""
-        return read(RunSheet, self.box.ask("sheet", zone=ZONE, run=identity))
+        return from_json(RunSheet, self.box.ask("sheet", zone=ZONE, run=identity))
 
     def values(self, identity: str):
         """Return the values of the scored items."""
