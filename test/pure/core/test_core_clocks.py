@@ -325,28 +325,18 @@ def test_the_silence_of_a_robot_counts_from_its_last_message_not_from_the_moment
     assert driver.run_in().link.is_silent(driver.now)
 
 
-def test_a_result_within_the_time_counts_although_it_is_read_after_it():
+@pytest.mark.parametrize("sent_s, end, elapsed_s", [
+    (59.9, EndReason.COMPLETED, 59.9), (60.1, EndReason.TIMEOUT, 60.0)])
+def test_a_result_within_the_time_counts_although_it_is_read_after_it(sent_s, end, elapsed_s):
     driver, robot, late = _connected(timeout=60.0)
     driver.command("start")
     robot.executes()
-    driver.jump(59.9 - driver.run_in().clock.elapsed(driver.now))
+    driver.jump(sent_s - driver.run_in().clock.elapsed(driver.now))
     late.says(robot, RobotState.RESULT_TX)
     driver.jump(1.0)
     late.read()
     run = driver.run_in()
-    assert run.end_reason is EndReason.COMPLETED
-    assert run.record(driver.now).elapsed_s == pytest.approx(59.9)
-
-
-def test_a_result_after_the_time_does_not_count():
-    driver, robot, late = _connected(timeout=60.0)
-    driver.command("start")
-    robot.executes()
-    driver.jump(60.1)
-    late.says(robot, RobotState.RESULT_TX)
-    driver.jump(1.0)
-    late.read()
-    assert driver.run_in().end_reason is EndReason.TIMEOUT
+    assert (run.end_reason, run.record(driver.now).elapsed_s) == (end, pytest.approx(elapsed_s))
 
 
 def test_another_host_with_the_password_does_not_replace_the_robot_because_the_box_was_busy():

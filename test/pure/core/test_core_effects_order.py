@@ -16,32 +16,26 @@ def _names(driver, *left_out):
     return [type(e).__name__ for e in driver.taken() if not isinstance(e, (effects.Notice, *left_out))]
 
 
-def test_connect():
+STATE_SENT = ["RecordChanged", *["RunLogged"] * 5, "SendState"]
+
+
+@pytest.mark.parametrize("command, before, expected", [
+    ("connect", (), ["Recorded", "PortTaken", "OpenChannel", "RunOpened", *STATE_SENT, "SendBeacon"]),
+    ("start", ("connected",), ["Recorded", *STATE_SENT]),
+    ("stop", ("connected", "start"), ["Recorded", *STATE_SENT]),
+    ("disconnect", ("connected",), [
+        "Recorded", "RecordChanged", "RunLogged", "CloseChannel", "RunClosed", "SendBeacon"]),
+])
+def test_the_order_of_effects_of_a_command(command, before, expected):
     driver = BoxDriver()
     driver.robot().beacon()
+    if "connected" in before:
+        driver.connected()
+    if "start" in before:
+        driver.command("start")
     driver.taken()
-    driver.command("connect")
-    assert _names(driver) == [
-        "Recorded", "PortTaken", "OpenChannel", "RunOpened", "RecordChanged", *["RunLogged"] * 5, "SendState",
-        "SendBeacon",
-    ]
-
-
-def test_start_and_stop():
-    driver = BoxDriver()
-    driver.connected()
-    for command in ("start", "stop"):
-        driver.taken()
-        driver.command(command)
-        assert _names(driver) == ["Recorded", "RecordChanged", *["RunLogged"] * 5, "SendState"]
-
-
-def test_disconnect():
-    driver = BoxDriver()
-    driver.connected()
-    driver.taken()
-    driver.command("disconnect")
-    assert _names(driver) == ["Recorded", "RecordChanged", "RunLogged", "CloseChannel", "RunClosed", "SendBeacon"]
+    driver.command(command)
+    assert _names(driver) == expected
 
 
 def test_a_robots_first_message_aims_the_channel():

@@ -274,31 +274,21 @@ def test_delays_of_most_messages_do_not_matter(true_skew, seed):
             assert estimate.seconds == pytest.approx(true_skew, abs=0.002)
 
 
-def test_a_clock_that_was_put_right_is_believed_after_the_window():
-    estimate = SkewEstimate()
-    for second in range(10):
-        estimate.sample(second, 0.5)
-    after = [estimate.sample(10 + i, 0.0) for i in range(5)]
-    assert after == [0.5, 0.5, 0.0, 0.0, 0.0]
+@pytest.mark.parametrize("before, samples, estimates", [
+    # A clock that was put right, or put back in a silence, is believed after the window.
+    ([(second, 0.5) for second in range(10)], [(10 + i, 0.0) for i in range(5)], [0.5, 0.5, 0.0, 0.0, 0.0]),
+    ([(0.0, 0.5)], [(10.0 + i, 0.0) for i in range(4)], [0.5, 0.5, 0.5, 0.0]),
+    # The first message after a silence may have been late.
+    ([(0.0, 0.01)], [(10.0, -2.1), (10.1, 0.01)], [0.01, 0.01]),
+    # One who seldom says something is believed, too.
+    ([], [(3.0 * i, -float(i)) for i in range(4)], [0.0, 0.0, -1.0, -2.0]),
+])
+def test_the_estimate_follows_the_clock_and_no_delay(before, samples, estimates):
     assert WINDOW_S == 2.5
-
-
-def test_the_first_message_after_a_silence_may_have_been_late():
     estimate = SkewEstimate()
-    estimate.sample(0.0, 0.01)
-    assert estimate.sample(10.0, -2.1) == 0.01
-    assert estimate.sample(10.1, 0.01) == 0.01
-
-
-def test_a_clock_that_was_put_back_in_a_silence_is_believed_after_the_window():
-    estimate = SkewEstimate()
-    estimate.sample(0.0, 0.5)
-    assert [estimate.sample(10.0 + i, 0.0) for i in range(4)] == [0.5, 0.5, 0.5, 0.0]
-
-
-def test_one_who_seldom_says_something_is_believed_too():
-    estimate = SkewEstimate()
-    assert [estimate.sample(3.0 * i, -float(i)) for i in range(4)] == [0.0, 0.0, -1.0, -2.0]
+    for sample in before:
+        estimate.sample(*sample)
+    assert [estimate.sample(*sample) for sample in samples] == estimates
 
 
 def test_a_flood_of_samples_does_not_grow_anything():
@@ -351,43 +341,29 @@ def test_rising_times_are_fresh_however_close():
     assert [timeline.judge(0.0, T0 + ns) for ns in range(3)] == [Freshness.FRESH] * 3
 
 
-def test_a_doubled_and_an_overtaken_message():
-    assert _judged((0, 0), (0, 0), (1, 1), (1, 0.5), (1, 0), (1, 1), (2, 2)) == [
-        "fresh", "duplicate", "fresh", "stale", "stale", "duplicate", "fresh"
-    ]
-
-
-def test_a_clock_that_was_set_back_is_believed_after_a_while():
-    assert _judged((0, 0), (1, 1), (2, -3600), (3, -3599), (4, -3598), (5, -3597)) == [
-        "fresh", "fresh", "stale", "stale", "clock set back", "fresh"
-    ]
-
-
-def test_a_burst_of_old_times_is_not_believed_before_the_old_timeline_was_quiet():
-    burst = [(1 + i / 20, -100 + i / 20) for i in range(30)]
-    assert set(_judged((0, 0), *burst)[1:]) == {"stale"}
-    late = [(QUIET_S + i / 20, -100 + i / 20) for i in range(3)]
-    assert _judged((0, 0), *late)[1:] == ["stale", "stale", "clock set back"]
-
-
-def test_old_times_in_falling_order_are_an_overtaking_network():
-    assert set(_judged((0, 0), *[(3 + i, -1 - i) for i in range(20)])[1:]) == {"stale"}
+@pytest.mark.parametrize("messages, verdicts", [
+    ([(0, 0), (0, 0), (1, 1), (1, 0.5), (1, 0), (1, 1), (2, 2)],
+     ["fresh", "duplicate", "fresh", "stale", "stale", "duplicate", "fresh"]),
+    ([(0, 0), (1, 1), (2, -3600), (3, -3599), (4, -3598), (5, -3597)],
+     ["fresh", "fresh", "stale", "stale", "clock set back", "fresh"]),
+    # A burst is not believed before the old timeline was quiet.
+    ([(0, 0), *((1 + i / 20, -100 + i / 20) for i in range(30))], ["fresh", *["stale"] * 30]),
+    ([(0, 0), *((QUIET_S + i / 20, -100 + i / 20) for i in range(3))], ["fresh", "stale", "stale", "clock set back"]),
+    # Times in falling order: a network that overtakes.
+    ([(0, 0), *((3 + i, -1 - i) for i in range(20))], ["fresh", *["stale"] * 20]),
+    # 0.95 was overtaken by 1, then the clock is set back by an hour: that does not lock the robot out.
+    ([(0, 0), (1, 1), (1.01, 0.95), (2, -3598), (3, -3597), (4, -3596), (5, -3595)],
+     ["fresh", "fresh", "stale", "stale", "stale", "clock set back", "fresh"]),
+    # A network doubles everything.
+    ([(mono + i / 100, time) for mono, time in ((0, 0), (1, 1), (2, -10), (3, -9), (4, -8), (5, -7)) for i in (0, 1)],
+     [*["fresh", "duplicate"] * 2, *["stale", "duplicate"] * 2, "clock set back", "duplicate", "fresh", "duplicate"]),
+])
+def test_doubled_and_overtaken_messages_and_a_clock_that_was_set_back(messages, verdicts):
+    assert _judged(*messages) == verdicts
 
 
 def test_one_old_message_repeated_does_not_start_a_timeline():
     assert set(_judged((0, 0), *[(3 + i, -5) for i in range(20)])[1:]) <= {"stale", "duplicate"}
-
-
-def test_a_straggler_from_before_the_clock_was_set_back_does_not_lock_the_robot_out():
-    # 0.95 was overtaken by 1, then the clock is set back by an hour.
-    verdicts = _judged((0, 0), (1, 1), (1.01, 0.95), (2, -3598), (3, -3597), (4, -3596), (5, -3595))
-    assert verdicts[2:] == ["stale", "stale", "stale", "clock set back", "fresh"]
-
-
-def test_a_clock_that_was_set_back_is_believed_on_a_network_that_doubles_everything():
-    sent = [(0, 0), (1, 1), (2, -10), (3, -9), (4, -8), (5, -7)]
-    verdicts = _judged(*[(mono + i / 100, time) for mono, time in sent for i in range(2)])
-    assert verdicts[8:] == ["clock set back", "duplicate", "fresh", "duplicate"]
 
 
 @pytest.mark.parametrize("seed", range(20))

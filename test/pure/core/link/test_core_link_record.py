@@ -107,48 +107,20 @@ def test_the_robots_clock_distinguishes_lost_from_late(line):
     assert line.sample().late_s == pytest.approx(0.8)
 
 
-def test_a_whole_burst_and_one_with_losses(line):
+@pytest.mark.parametrize("burst, lost, then, missed", [
+    (BURST, (2, 3, 7), 1.0, 3), (BURST, (0, 1), 1.0, 2),
+    ([*BURST, BURST_INTERVAL_S], (4, 5), 1.0, 1),  # one more makes up for one that was lost
+    (BURST, (7, 8, 9), 2.0, 4),  # its end, and a regular one
+    (BURST, range(1, 10), 1.1, 9),  # the next regular one is due a second after the burst, not after what was heard
+    ([i * 1.4 for i in BURST], (), 1.0, 0),  # a slow one is whole
+])
+def test_what_is_missed_of_a_burst(line, burst, lost, then, missed):
     bursting(line)
-    line.sends_all(BURST, RobotState.WAITING_GOAL, lost=(2, 3, 7))
-    assert line.sample().lost == 0, "the next ones may still come"
-    line.sends()
-    assert line.sample().lost == 3
-
-
-def test_one_more_in_a_burst_makes_up_for_one_that_was_lost(line):
-    bursting(line)
-    line.sends_all([*BURST, BURST_INTERVAL_S], RobotState.WAITING_GOAL, lost=(4, 5))
-    line.sends()
-    assert line.sample().lost == 1
-
-
-def test_the_first_of_a_burst_is_missed_too(line):
-    bursting(line)
-    line.sends_all(BURST, RobotState.WAITING_GOAL, lost=(0, 1))
-    line.sends()
-    assert line.sample().lost == 2
-
-
-def test_the_end_of_a_burst_and_a_regular_message_are_missed(line):
-    bursting(line)
-    line.sends_all(BURST, RobotState.WAITING_GOAL, lost=(7, 8, 9))
-    line.sends(2.0)
-    assert line.sample().lost == 4
-
-
-def test_the_rest_of_a_burst_does_not_count_as_a_regular_message(line):
-    """The next regular one is due a second after the burst, not after the last one of it that was heard."""
-    bursting(line)
-    line.sends_all(BURST, RobotState.WAITING_GOAL, lost=range(1, 10))
-    line.sends(1.1)
-    assert line.sample().lost == 9
-
-
-def test_a_slow_burst_is_whole(line):
-    bursting(line)
-    line.sends_all([i * 1.4 for i in BURST], RobotState.WAITING_GOAL)
-    line.sends()
-    assert line.sample().lost == 0
+    line.sends_all(burst, RobotState.WAITING_GOAL, lost=lost)
+    before = line.sample().lost
+    assert before == 0 or burst is not BURST, "the next ones may still come"
+    line.sends(then)
+    assert before + line.sample().lost == missed
 
 
 def test_a_burst_that_is_cut_short_by_the_next_change(line):

@@ -415,23 +415,15 @@ def test_the_total_timeout_ends_the_run_and_rings():
     assert driver.off("start")[0].startswith("The run ended by timeout")
 
 
-def test_a_goal_that_ends_with_the_run_is_over_first():
+@pytest.mark.parametrize("timeout, is_over", [(60.0, True), (61.0, False)])
+def test_a_goal_that_ends_with_the_run_is_over_first_and_one_that_ends_later_is_not(timeout, is_over):
     driver, modules, _ = started(total=60.0)
-    modules.asks(timeout=60.0, **WAYPOINT)
+    modules.asks(timeout=timeout, **WAYPOINT)
     modules.lives(59.0)
     driver.jump(10.0)
     driver.event(driver.box.tick)
-    assert modules.outcome().kind is OutcomeKind.TIMED_OUT
-    assert driver.run_in().end_reason is EndReason.TIMEOUT
-
-
-def test_a_goals_timeout_after_the_runs_end_means_nothing():
-    driver, modules, _ = started(total=60.0)
-    modules.asks(timeout=61.0, **WAYPOINT)
-    modules.lives(59.0)
-    driver.jump(10.0)
-    driver.event(driver.box.tick)
-    assert modules.outcome() is None
+    outcome = modules.outcome()
+    assert (None if outcome is None else outcome.kind) is (OutcomeKind.TIMED_OUT if is_over else None)
     assert driver.run_in().end_reason is EndReason.TIMEOUT, "that was due before the module was gone"
 
 

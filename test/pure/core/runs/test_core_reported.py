@@ -290,20 +290,14 @@ def _received(*messages):
     return [receive(last, "visitor", texts) for texts in messages]
 
 
-def test_a_string_that_is_repeated_is_new_once():
-    assert _received(["a"], ["a"], ["a", "b"], ["b"], ["b"]) == [["a"], [], ["b"], [], []]
-
-
-def test_the_same_text_is_new_again_after_a_message_without_it():
-    assert _received(["a"], [], ["a"], ["b"], ["a"]) == [["a"], [], ["a"], ["b"], ["a"]]
-
-
-def test_a_text_twice_in_one_message_is_one():
-    assert _received(["a", "b", "a"]) == [["a", "b"]]
-
-
-def test_strings_keep_their_order():
-    assert _received(["c", "a", "b"]) == [["c", "a", "b"]]
+@pytest.mark.parametrize("messages, new", [
+    ([["a"], ["a"], ["a", "b"], ["b"], ["b"]], [["a"], [], ["b"], [], []]),
+    # The same text is new again after a message without it.
+    ([["a"], [], ["a"], ["b"], ["a"]], [["a"], [], ["a"], ["b"], ["a"]]),
+    ([["a", "b", "a"]], [["a", "b"]]), ([["c", "a", "b"]], [["c", "a", "b"]]),
+])
+def test_a_string_that_is_repeated_is_new_once(messages, new):
+    assert _received(*messages) == new
 
 
 def test_no_more_is_remembered_than_one_message_holds():

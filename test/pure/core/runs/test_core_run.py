@@ -64,26 +64,18 @@ def test_the_box_wants_to_be_ticked_at_the_deadline():
     assert driver.box.deadline() == deadline
 
 
-@pytest.mark.parametrize("late", [0.0, 0.05, 10.0])
-def test_a_result_after_the_deadline_is_too_late_even_without_a_tick_between(late):
+@pytest.mark.parametrize("late, end", [
+    (-1e-3, EndReason.COMPLETED), (0.0, EndReason.TIMEOUT), (0.05, EndReason.TIMEOUT), (10.0, EndReason.TIMEOUT),
+])
+def test_a_result_counts_until_the_deadline_also_without_a_tick_between(late, end):
     driver = _minute()
     robot = driver.executing()
     driver.jump(driver.run_in().clock.deadline() - driver.now.mono + late)
     robot.state = RobotState.RESULT_TX
     robot.send(robot.report())
-    assert ended(driver) is EndReason.TIMEOUT
-    assert driver.taken(effects.TimeoutRung) == [effects.TimeoutRung("tbm")]
-
-
-def test_a_result_just_before_the_deadline_counts():
-    driver = _minute()
-    robot = driver.executing()
-    driver.jump(driver.run_in().clock.deadline() - driver.now.mono - 1e-3)
-    robot.state = RobotState.RESULT_TX
-    robot.send(robot.report())
-    assert ended(driver) is EndReason.COMPLETED
     driver.run(10)
-    assert driver.taken(effects.TimeoutRung) == []
+    assert ended(driver) is end
+    assert driver.taken(effects.TimeoutRung) == [effects.TimeoutRung("tbm")] * (end is EndReason.TIMEOUT)
 
 
 def test_a_run_that_waits_for_its_start_has_no_timeout():
@@ -386,18 +378,14 @@ def test_only_a_robot_that_executes_must_save(state):
     assert ended(driver) is None
 
 
-def test_the_check_can_be_switched_off():
-    driver, robot = _executing(settings=Settings(check_messages_saved=False))
-    robot.lives(60)
-    assert ended(driver) is None
-
-
-def test_its_timeout_is_a_setting():
-    driver, robot = _executing(settings=Settings(check_messages_saved_timeout=20.0))
-    robot.lives(19)
-    assert ended(driver) is None
-    robot.lives(2)
-    assert ended(driver) is EndReason.NO_MESSAGES_SAVED
+@pytest.mark.parametrize("settings, seconds, end", [
+    (Settings(check_messages_saved=False), 60, None), (Settings(check_messages_saved_timeout=20.0), 19, None),
+    (Settings(check_messages_saved_timeout=20.0), 21, EndReason.NO_MESSAGES_SAVED),
+])
+def test_its_timeout_is_a_setting_and_it_can_be_switched_off(settings, seconds, end):
+    driver, robot = _executing(settings=settings)
+    robot.lives(seconds)
+    assert ended(driver) is end
 
 
 def test_the_referee_may_start_again_and_the_watch_restarts():
