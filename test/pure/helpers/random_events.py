@@ -102,9 +102,6 @@ def apply_event(driver, name, arguments):
     elif name == "on_robot_beacon":
         arguments = (*arguments[:3], now if arguments[3] is None else arguments[3], driver.now.utc - arguments[4])
     try:
-        if name == "command":
-            driver.command(arguments[1], arguments[0])
-            return
         if name == "enter":
             run, entry, given = arguments
             driver.enter(entry, _meant(driver, run), **given)

@@ -217,6 +217,8 @@ def test_a_sheet_can_be_settled_only_when_the_judges_are_complete(jury):
     jury.driver.event(jury.desk.waive, jury.name, "Ben is ill", "Hugo")
     jury.settle(BUMPS, 2)
     assert jury.values()[BUMPS.desc] == 2
+    jury.driver.event(jury.desk.hand_back, jury.name, "Ann", "look again", "Hugo")
+    assert jury.judging().verdicts == (), "this judge is waited for"
 
 
 def test_a_third_judge_needs_a_place(jury):
