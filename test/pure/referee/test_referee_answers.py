@@ -57,46 +57,32 @@ class Table:
             self.typed.append(line)
             self.looks()
 
-
-def test_an_answer_that_is_none_of_the_choices_is_the_text_of_the_form():
-    table = Table(Typed)
-    fields = form_of(form("Annie", "Tom", asks_text=True))
-    for number, (typed, given) in enumerate((("tom", "Tom"), ("a man", "a man"), ("", "")), 1):
-        table.asks((number, "Whom?", *fields))
-        table.types(typed)
-        assert table.link.given[-1] == ("operation", number, given)
-    assert "type Annie / Tom, or another answer (Enter: Annie)" in table.notes
+    def play(self, *acts):
+        """Each act: its name and what is given with it."""
+        for name, *given in acts:
+            getattr(self, name)(*given)
 
 
 # -- by itself --------------------------------------------------------------------------------------
 
 
-def test_each_operation_is_completed_once_with_its_usual_answer():
+@pytest.mark.parametrize("answers, acts, given, notes", [
+    # Each operation once, with its usual answer, also where an old message comes once more.
+    ({}, [("asks", PLACE), ("asks", PLACE), ("asks",), ("asks", AGAIN)], [("operation", 1), ("operation", 2)],
+     ["completed without a human referee: Place it", "completed without a human referee: No pose"]),
+    # Switches are confirmed when the robot has finished.
+    ({}, [("asks", (0,), TO_CONFIRM._replace(to_confirm=False))], [], []),
+    ({}, [("asks", (0,), TO_CONFIRM)], [("confirm_switches",)], []),
+    # What does not work is tried again.
+    *(({"operation": [error, None]}, acts, given, ["completed without a human referee: Place it"] * len(given))
+      for error in (Refused(["over"]), NoCore("gone"))
+      for acts, given in (([("asks", PLACE)], []), ([("asks", PLACE), ("looks",)], [("operation", 1)]))),
+])
+def test_operations_are_completed_by_themselves(answers, acts, given, notes):
     table = Table(AutomaticAnswers)
-    table.asks(PLACE)
-    table.asks(PLACE)  # an old message once more
-    table.asks()
-    table.asks(AGAIN)
-    assert table.link.given == [("operation", 1), ("operation", 2)]
-    assert table.notes == ["completed without a human referee: Place it", "completed without a human referee: No pose"]
-
-
-def test_switches_are_confirmed_when_the_robot_has_finished():
-    table = Table(AutomaticAnswers)
-    table.asks(switches=TO_CONFIRM._replace(to_confirm=False))
-    assert table.link.given == []
-    table.asks(switches=TO_CONFIRM)
-    assert table.link.given == [("confirm_switches",)]
-
-
-@pytest.mark.parametrize("error", [Refused(["over"]), NoCore("gone")])
-def test_what_does_not_work_is_tried_again(error):
-    table = Table(AutomaticAnswers)
-    table.link.answers["operation"] = [error, None]
-    table.asks(PLACE)
-    assert (table.link.given, table.notes) == ([], [])
-    table.looks()
-    assert table.link.given == [("operation", 1)]
+    table.link.answers = {name: list(found) for name, found in answers.items()}
+    table.play(*acts)
+    assert (table.link.given, table.notes) == (given, notes)
 
 
 def test_what_only_a_human_can_measure_is_given_up():
@@ -127,111 +113,71 @@ def test_something_else_in_between_is_patience():
 
 # -- typed ------------------------------------------------------------------------------------------
 
+PRESS, CHOOSE = "press Enter when it is done", "type try again / skip (Enter: try again)"
+WHERE = Choice("place", say("Place"), choices=("the floor", "the chair"))
+NAMES = form_of(form("Annie", "Tom", asks_text=True))
+FILL_IN = (
+    "type a value for each, in this order or as NAME=VALUE: held: Did the robot hold it? (yes / no); "
+    "drops: How often did it fall? (0 to 9); place: Where is it now? (table / floor); "
+    "pose: Pose of the cup (x y direction, in m and degrees)")
+SWITCHES = "type 'switch NUMBER' for each switch that changed, 'damaged NUMBER', and an empty line to confirm"
 
-def test_enter_completes_what_is_asked_and_nothing_else():
+
+@pytest.mark.parametrize("acts, given, notes", [
+    # Enter completes what is asked, and nothing else.
+    ([("types", "", "too early")], [], []),
+    ([("asks", PLACE), ("looks", 5)], [], [PRESS]),
+    ([("asks", PLACE), ("types", "", ""), ("asks", AGAIN), ("types", "SK")],
+     [("operation", 1), ("operation", 2, "skip")], [PRESS, CHOOSE]),
+    # An invalid answer is reported, and asked again.
+    ([("asks", AGAIN), ("types", "what"), ("looks",), ("types", "skip")], [("operation", 2, "skip")],
+     [CHOOSE, "not done: Answer: choose one of try again, skip", CHOOSE]),
+    # Answers of each kind; one that is none of the choices is the text of the form.
+    ([("asks", WHOM), ("types", "don't know")], [("operation", 1, "don't know")], ["type text (Enter: none)"]),
+    ([("asks", WHOM), ("types", "")], [("operation", 1, "")], ["type text (Enter: none)"]),
+    ([("asks", numbered(AGAIN, 1)), ("types", "")], [("operation", 1, "")], [CHOOSE]),
+    ([("asks", (1, "How high?", MEASURED)), ("types", "1,5")], [("operation", 1, 1.5)], ["type 0 to 2.5 m"]),
+    *(([("asks", (1, "Whom?", *NAMES)), ("types", typed)], [("operation", 1, given)],
+       ["type Annie / Tom, or another answer (Enter: Annie)"])
+      for typed, given in (("tom", "Tom"), ("a man", "a man"), ("", ""))),
+    ([("asks", (1, "Where?", WHERE)), ("types", "the", "the c")], [],
+     ["type the floor / the chair (Enter: the floor)",
+      "not done: 'the' is the beginning of several choices: 'the floor', 'the chair'",
+      "type the floor / the chair (Enter: the floor)"]),
+    # The form of a module that nobody knows.
+    ([("asks", (7, ODD_ASKED, *ODD)), ("types", "yes many"), ("looks",), ("types", "yes drop=2"), ("looks",),
+      ("types", "yes 2 pose='1.25 0,40 90' fl")],
+     [("operation", 7, True, 2, [1.25, 0.4, pytest.approx(math.pi / 2)], "floor")],
+     [FILL_IN, "not done: How often did it fall?: a whole number from 0 to 9 is expected", FILL_IN,
+      f"not done: 'drop' is not asked for: {FILL_IN.partition('NAME=VALUE: ')[2]}", FILL_IN]),
+    # Switches are entered and confirmed.
+    ([("asks", (0,), TO_CONFIRM), ("types", "switch 2", "switch 3", "switch 2", "damaged 1", "damaged two"), ("looks",),
+      ("types", "2"), ("looks",), ("types", "", "2")],
+     [("switch", 2), ("switch", 3), ("switch", 2), ("damaged", 1), ("confirm_switches",)],
+     [SWITCHES, "not done: Number: a whole number from 0 to 255 is expected", SWITCHES,
+      "not done: '2' is not asked for", SWITCHES]),
+])
+def test_operations_are_answered_as_the_referee_types(acts, given, notes):
     table = Table(Typed)
-    table.types("", "too early")
-    assert table.link.given == []
-    table.asks(PLACE)
-    assert table.notes == ["press Enter when it is done"]
-    table.looks(5)
-    assert table.link.given == []
-    table.types("", "")
-    assert table.link.given == [("operation", 1)]
-    table.asks(AGAIN)
-    assert table.notes[1:] == ["type try again / skip (Enter: try again)"]
-    table.types("SK")
-    assert table.link.given[1:] == [("operation", 2, "skip")]
+    table.play(*acts)
+    assert (table.link.given, table.notes) == (given, notes)
 
 
 @pytest.mark.parametrize("ahead", [True, False])
 def test_what_is_shown_for_a_moment_longer_is_not_asked_again(ahead):
     table = Table(Typed, ahead)
-    table.asks(PLACE)
-    table.types("", "")
-    table.looks(3)
+    table.play(("asks", PLACE), ("types", "", ""), ("looks", 3))
     assert len(table.link.given) == len(table.notes) == 1
-    table.asks(AGAIN)
-    table.looks(3)
+    table.play(("asks", AGAIN), ("looks", 3))
     assert len(table.notes) == 2
     assert len(table.link.given) == (2 if ahead else 1)
-
-
-def test_an_invalid_answer_is_reported_and_asked_again():
-    table = Table(Typed)
-    table.asks(AGAIN)
-    table.types("what")
-    assert table.link.given == []
-    assert table.notes[1] == "not done: Answer: choose one of try again, skip"
-    table.looks()
-    assert table.notes[2] == table.notes[0]
-    table.types("skip")
-    assert table.link.given == [("operation", 2, "skip")]
-
-
-@pytest.mark.parametrize(("operation", "prompt", "line", "answer"), [
-    (WHOM, "type text (Enter: none)", "don't know", "don't know"),
-    (WHOM, "type text (Enter: none)", "", ""),
-    (numbered(AGAIN, 1), "type try again / skip (Enter: try again)", "", ""),
-    ((1, "How high?", MEASURED), "type 0 to 2.5 m", "1,5", 1.5),
-])
-def test_an_answer_may_be_typed(operation, prompt, line, answer):
-    table = Table(Typed)
-    table.asks(operation)
-    assert table.notes == [prompt]
-    table.types(line)
-    assert table.link.given == [("operation", 1, answer)]
-
-
-def test_the_form_of_a_module_that_nobody_knows_is_filled_in():
-    table = Table(Typed)
-    table.asks((7, ODD_ASKED, *ODD))
-    assert table.notes == [
-        "type a value for each, in this order or as NAME=VALUE: held: Did the robot hold it? (yes / no); "
-        "drops: How often did it fall? (0 to 9); place: Where is it now? (table / floor); "
-        "pose: Pose of the cup (x y direction, in m and degrees)"]
-    table.types("yes many")
-    assert table.notes[1] == "not done: How often did it fall?: a whole number from 0 to 9 is expected"
-    table.looks()
-    table.types("yes drop=2")
-    assert table.notes[3].startswith("not done: 'drop' is not asked for: held: Did the robot hold it? (yes / no)")
-    table.looks()
-    table.types("yes 2 pose='1.25 0,40 90' fl")
-    (action, number, *values), = table.link.given
-    assert (action, number, values) == ("operation", 7, [True, 2, [1.25, 0.4, pytest.approx(math.pi / 2)], "floor"])
-
-
-def test_the_beginning_of_several_choices_is_none_of_them():
-    table = Table(Typed)
-    place = Choice("place", say("Place"), choices=("the floor", "the chair"))
-    table.asks((1, "Where?", place))
-    table.types("the", "the c")
-    assert table.notes[1] == "not done: 'the' is the beginning of several choices: 'the floor', 'the chair'"
-
-
-def test_switches_are_entered_and_confirmed():
-    table = Table(Typed)
-    table.asks(switches=TO_CONFIRM)
-    assert "damaged" in table.notes[0]
-    table.types("switch 2", "switch 3", "switch 2", "damaged 1")
-    assert table.link.given == [("switch", 2), ("switch", 3), ("switch", 2), ("damaged", 1)]
-    table.types("damaged two")
-    assert table.notes[1] == "not done: Number: a whole number from 0 to 255 is expected"
-    table.looks()
-    table.types("2")
-    assert table.notes[3] == "not done: '2' is not asked for"
-    table.looks()
-    table.types("", "2")
-    assert table.link.given[4:] == [("confirm_switches",)]
 
 
 def test_a_script_may_answer_ahead():
     table = Table(Typed, ahead=True)
     table.typed = ["", "skip", ""]
     for operation in (PLACE, AGAIN, numbered(PLACE, 3)):
-        table.asks(operation)
-        table.looks(3)
-        table.asks()
+        table.play(("asks", operation), ("looks", 3), ("asks",))
     assert table.link.given == [("operation", 1), ("operation", 2, "skip"), ("operation", 3)]
 
 
@@ -241,9 +187,7 @@ def test_another_referee_may_be_quicker():
     table.link.answers["operation"] = [Refused(["that manual operation is over"])]
     table.types("")
     assert table.notes[1] == "not done: that manual operation is over"
-    table.asks()
-    table.asks(AGAIN)
-    table.types("")
+    table.play(("asks",), ("asks", AGAIN), ("types", ""))
     assert table.link.given == [("operation", 2, "")]
 
 
@@ -257,30 +201,18 @@ def _run(link, operations):
     return outcome, [change.facts["text"] for change in reported if change.kind == "note"]
 
 
-def test_a_run_with_manual_operations():
+@pytest.mark.parametrize("operations, given, notes", [
+    (Operations.AUTOMATIC, [("operation", 1), ("operation", 2)],
+     ["completed without a human referee: Place it", "completed without a human referee: No pose"]),
+    (Operations.OTHERS, [], []),
+])
+def test_a_run_with_manual_operations(operations, given, notes):
     link = FakeLink()
     link.at(3, lambda: link.ask(*PLACE))
     link.at(5, lambda: link.ask(*AGAIN))
     link.at(7, lambda: link.end("completed"))
-    outcome, notes = _run(link, Operations.AUTOMATIC)
-    assert outcome.status is Exit.OK
-    assert link.given == [("operation", 1), ("operation", 2)]
-    assert notes[0] == "completed without a human referee: Place it"
-
-
-def test_a_run_leaves_them_to_others():
-    link = FakeLink()
-    link.at(3, lambda: link.ask(*PLACE))
-    link.at(5, lambda: link.end("completed"))
-    assert _run(link, Operations.OTHERS) == (_run_outcome(link), [])
-    assert link.given == []
-
-
-def _run_outcome(link):
-    again = FakeLink()
-    again.at(3, lambda: again.ask(*PLACE))
-    again.at(5, lambda: again.end("completed"))
-    return RunScript(again, ScriptPlan("Home A", 20.0), lambda change: None).run()
+    outcome, noted = _run(link, operations)
+    assert (outcome.status, link.given, noted) == (Exit.OK, given, notes)
 
 
 def test_a_run_that_needs_a_human_is_left():

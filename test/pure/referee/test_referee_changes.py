@@ -9,141 +9,110 @@ from roah_rsbb.model.records import ScoreValue
 from roah_rsbb.model.zone import RunClock, Switches
 from roah_rsbb.referee.state import changes, news
 
+RUNNING = running_zone()
+DOOR_MARKED = (ITEMS[0]._replace(value=1), *ITEMS[1:])
+NOT_ATTEMPTED = (ITEMS[0]._replace(not_attempted=True), *ITEMS[1:])
+LINES = [f"12:00:{second:02d}Z a line long enough to be found again" for second in range(20)]
+FIELDS = form_of(form("done", "skip"))
+TIME = ScoreValue("goal 1", "time", "null", "s", "Time")
+SCORED = {"module_scores": (TIME._replace(value="1.5"), TIME), "module_status": "Goal 2 of 2"}
+
 
 def _facts(old, new, **options):
     return [(change.kind, change.zone, change.facts) for change in changes(old, new, UTC0, **options)]
 
 
-def test_nothing_happened():
-    assert _facts(box(running_zone()), box(running_zone())) == []
+def of_zone(kind, **facts):
+    """A change in the zone."""
+    return kind, "Home A", facts
 
 
-def test_a_change_of_time_and_skew_alone_is_not_reported():
-    old = box(running_zone())
-    new = box(running_zone(clock=RunClock(), robot=ROBOT._replace(skew=0.02, messages_saved=4, silent_since=1.0)))
-    assert _facts(old, new) == []
+def log(*lines):
+    """Lines of the log."""
+    return [of_zone("log", text=line) for line in lines]
 
 
-def test_a_change_has_the_boxs_time():
-    new = box(running_zone(robot=ROBOT._replace(robot_state="EXECUTING")))
-    assert [change.utc_s for change in changes(box(running_zone()), new, UTC0 + 5)] == [UTC0 + 5]
+def scored(**facts):
+    """A change of the first item."""
+    return of_zone("score", **{
+        "number": 1, "group": "Achievements", "item": "Detects the door", "type": "bool", "old": 0, "value": 0,
+        "old_not_attempted": False, "not_attempted": False, "old_text": "", "text": "", **facts})
 
 
-def test_the_states_are_reported_with_what_changed():
-    (kind, name, facts), = _facts(box(running_zone()), box(running_zone(
-        robot=ROBOT._replace(robot_state="EXECUTING", box_state="GOAL_TX"))))
-    assert (kind, name) == ("state", "Home A")
-    assert facts["changed"] == ["box_state", "robot_state"]
-    assert (facts["phase"], facts["robot_state"]) == ("running", "EXECUTING")
+def to_do(number, *fields):
+    """A manual operation is asked for; 0: it is over."""
+    return of_zone("manual_operation", operation=number, text="Place the mug" if number else "",
+                   choices=["done", "skip"] if number else [], asks_text=False, fields=list(fields))
 
 
-def test_lines_are_reported_once_and_in_order():
-    old = running_zone(log="a\nb\n", online_data="x\n")
-    new = running_zone(log="a\nb\nc\nd\n", online_data="x\ny\n")
-    assert _facts(box(old), box(new)) == [
-        ("log", "Home A", {"text": "c"}), ("log", "Home A", {"text": "d"}), ("online_data", "Home A", {"text": "y"}),
-    ]
+@pytest.mark.parametrize("old, new, facts", [
+    ({}, {}, []),
+    # Times and skews alone are not reported.
+    ({}, {"clock": RunClock(), "robot": ROBOT._replace(skew=0.02, messages_saved=4, silent_since=1.0)}, []),
+    # Lines, once and in order, also where the beginning was cut off, and in the next run.
+    ({"log": "a\nb\n", "online_data": "x\n"}, {"log": "a\nb\nc\nd\n", "online_data": "x\ny\n"},
+     [*log("c", "d"), of_zone("online_data", text="y")]),
+    ({"log": "\n".join(LINES[:15])}, {"log": "\n".join(LINES[5:18])}, log(*LINES[15:18])),
+    ({"log": "old run\n"}, {"log": "new\n"}, log("new")),
+    # A warning and a score are reported once, although the core logs them, too.
+    ({}, {"log": "12:00:00Z WARNING: No message for 4 s\nother\n", "warnings": ("No message for 3 s",)},
+     [*log("other"), of_zone("warning", text="No message for 3 s", over=False)]),
+    ({}, {"log": "Score: Achievements: Detects the door 0 -> 1\nother\n"}, log("other")),
+    ({}, {"items": DOOR_MARKED, "log": "Score: Achievements: Detects the door 0 -> 1\nother\n"},
+     [*log("other"), scored(value=1)]),
+    *(({}, {"log": f"{line}\n"}, log(line)) for line in (  # on an item that stays as it is
+        "Score: Achievements: Detects the door 7 -> 7 (Anna: 8)",
+        "Score: Achievements: Detects the door (entry 1 withdrawn)")),
+    # What was not attempted, although the value stays.
+    ({}, {"items": NOT_ATTEMPTED}, [scored(not_attempted=True)]),
+    ({"items": NOT_ATTEMPTED}, {}, [scored(old_not_attempted=True)]),
+    # Another run's sheet is no change of scores.
+    ({"items": DOOR_MARKED}, {"identity": "HGTKMH-6667-2"}, []),
+    # What benchmarking modules ask and say.
+    ({"module_scores": (TIME,), "module_status": "Goal 1 of 2"}, SCORED, [
+        of_zone("module_score", **{**TIME._asdict(), "value": 1.5, "old": None}),
+        of_zone("module_status", text="Goal 2 of 2")]),
+    (SCORED, {}, []),
+    ({"switches": Switches((1,), 0, False)}, {"switches": Switches((1,), 1, False)},
+     [of_zone("switches", on=(1,), damaged=1, to_confirm=False)]),
+    ({}, {"switches": Switches((1,), 1, False)}, [of_zone("switches", on=(1,), damaged=1, to_confirm=False)]),
+    ({"switches": Switches((1,), 0, False)}, {}, []),
+])
+def test_changes_in_a_zone(old, new, facts):
+    assert _facts(box(running_zone(**old)), box(running_zone(**new))) == facts
 
 
-def test_lines_continue_where_the_beginning_was_cut_off():
-    lines = [f"12:00:{second:02d}Z a line long enough to be found again\n" for second in range(20)]
-    found = changes(box(running_zone(log="".join(lines[:15]))), box(running_zone(log="".join(lines[5:18]))), UTC0)
-    assert [change.facts["text"] + "\n" for change in found] == lines[15:18]
+@pytest.mark.parametrize("old, new, facts", [
+    (0, 3, [to_do(3, *FIELDS)]), (3, 0, [to_do(0)]), (3, 4, [to_do(4, *FIELDS)]), (3, 3, []),
+])
+def test_manual_operations_come_and_go(old, new, facts):
+    zones = (asked(RUNNING, number, "Place the mug", *FIELDS) if number else RUNNING for number in (old, new))
+    assert _facts(*map(box, zones)) == facts
 
 
-def test_the_next_runs_log_starts_empty():
-    found = _facts(box(zone(log="old run\n")), box(zone(log="new\n")))
-    assert found == [("log", "Home A", {"text": "new"})]
-
-
-def test_a_warning_is_reported_once_although_the_core_logs_it_too():
-    new = running_zone(log="12:00:00Z WARNING: No message for 4 s\nother\n", warnings=("No message for 3 s",))
-    assert [(kind, facts["text"]) for kind, _, facts in _facts(box(running_zone()), box(new))] == [
-        ("log", "other"), ("warning", "No message for 3 s")]
-
-
-def test_a_score_is_reported_once_although_the_core_logs_it_too():
-    old, new = running_zone(), running_zone(
-        items=(ITEMS[0]._replace(value=1), *ITEMS[1:]), log="Score: Achievements: Detects the door 0 -> 1\nother\n")
-    assert _facts(box(old), box(old._replace(log=new.log))) == [("log", "Home A", {"text": "other"})]
-    assert _facts(box(old), box(new)) == [
-        ("log", "Home A", {"text": "other"}),
-        ("score", "Home A", {"number": 1, "group": "Achievements", "item": "Detects the door", "type": "bool",
-                             "old": 0, "value": 1, "old_not_attempted": False, "not_attempted": False,
-                             "old_text": "", "text": ""}),
-    ]
-
-
-def test_what_was_not_attempted_is_reported_although_the_value_stays():
-    marked = running_zone(items=(ITEMS[0]._replace(not_attempted=True), *ITEMS[1:]))
-    for old, new, reported in ((running_zone(), marked, (False, True)), (marked, running_zone(), (True, False))):
-        ((kind, _, facts),) = _facts(box(old), box(new))
-        assert (kind, facts["old"], facts["value"]) == ("score", 0, 0)
-        assert (facts["old_not_attempted"], facts["not_attempted"]) == reported
-
-
-def test_another_runs_sheet_is_not_a_change_of_scores():
-    old = running_zone(items=(ITEMS[0]._replace(value=1), *ITEMS[1:]))
-    assert "score" not in [kind for kind, _, _ in _facts(box(old), box(running_zone(identity="HGTKMH-6667-2")))]
+def test_the_states_are_reported_with_what_changed_and_the_boxs_time():
+    new = box(running_zone(robot=ROBOT._replace(robot_state="EXECUTING", box_state="GOAL_TX")))
+    change, = changes(box(RUNNING), new, UTC0 + 5)
+    assert (change.utc_s, change.kind, change.zone) == (UTC0 + 5, "state", "Home A")
+    assert change.facts["changed"] == ["box_state", "robot_state"]
+    assert (change.facts["phase"], change.facts["robot_state"]) == ("running", "EXECUTING")
 
 
 def test_the_zone_moves_to_another_event():
     (kind, _, facts), = _facts(box(zone()), box(zone(event=EVENTS[1])))
-    assert kind == "event"
-    assert (facts["code"], facts["run"]) == ("HWV", 2)
+    assert (kind, facts["code"], facts["run"]) == ("event", "HWV", 2)
 
 
-@pytest.mark.parametrize("line", [
-    "Score: Achievements: Detects the door 7 -> 7 (Anna: 8)",
-    "Score: Achievements: Detects the door (entry 1 withdrawn)",
-])
-def test_a_line_on_an_item_that_stays_as_it_is(line: str):
-    assert _facts(box(running_zone()), box(running_zone(log=f"{line}\n"))) == [("log", "Home A", {"text": line})]
-
-
-def test_manual_operations_come_and_go():
-    fields = form_of(form("done", "skip"))
-    first = asked(running_zone(), 3, "Place the mug", *fields)
-    facts = {"operation": 3, "text": "Place the mug", "choices": ["done", "skip"], "asks_text": False,
-             "fields": list(fields)}
-    assert _facts(box(running_zone()), box(first)) == [("manual_operation", "Home A", facts)]
-    over = {"operation": 0, "text": "", "choices": [], "asks_text": False, "fields": []}
-    assert _facts(box(first), box(running_zone())) == [("manual_operation", "Home A", over)]
-    again = asked(running_zone(), 4, "Place the mug", *fields)
-    assert _facts(box(first), box(again)) == [("manual_operation", "Home A", {**facts, "operation": 4})]
-
-
-def test_what_the_module_says_and_scores():
-    time = ScoreValue("goal 1", "time", "null", "s", "Time")
-    old = running_zone(module_scores=(time,), module_status="Goal 1 of 2")
-    new = running_zone(module_scores=(time._replace(value="1.5"), time), module_status="Goal 2 of 2")
-    assert _facts(box(old), box(new)) == [
-        ("module_score", "Home A", {**time._asdict(), "value": 1.5, "old": None}),
-        ("module_status", "Home A", {"text": "Goal 2 of 2"}),
-    ]
-    assert _facts(box(new), box(running_zone())) == []
-
-
-def test_switches_are_entered():
-    old, new = (running_zone(switches=Switches((1,), damaged, False)) for damaged in (0, 1))
-    entered = ("switches", "Home A", {"on": (1,), "damaged": 1, "to_confirm": False})
-    assert _facts(box(old), box(new)) == _facts(box(running_zone()), box(new)) == [entered]
-    assert _facts(box(old), box(running_zone())) == []
-
-
-def test_robots_come_and_go():
-    old, new = box(robots=(robot("a"),)), box(robots=(robot("b", skew=0.5),))
-    assert _facts(old, new) == [
+@pytest.mark.parametrize("old, new, facts", [
+    (box(robots=(robot("a"),)), box(robots=(robot("b", skew=0.5),)), [
         ("robot", "", {"what": "came", "team": "TestingTeam", "robot": "b", "skew_s": 0.5}),
-        ("robot", "", {"what": "gone", "team": "TestingTeam", "robot": "a", "skew_s": 0.0123}),
-    ]
-
-
-def test_warnings_come_and_end():
-    old, new = box(running_zone(warnings=("a",)), warnings=("b",)), box(running_zone(warnings=()), warnings=("b", "c"))
-    assert _facts(old, new) == [
-        ("warning", "", {"text": "c", "over": False}), ("warning", "Home A", {"text": "a", "over": True}),
-    ]
+        ("robot", "", {"what": "gone", "team": "TestingTeam", "robot": "a", "skew_s": 0.0123})]),
+    (box(running_zone(warnings=("a",)), warnings=("b",)), box(running_zone(warnings=()), warnings=("b", "c")), [
+        ("warning", "", {"text": "c", "over": False}), of_zone("warning", text="a", over=True)]),
+    (box(), box(uuid="uuid-2"), [("core", "", {"what": "restarted", "box_uuid": "uuid-2"})]),
+])
+def test_changes_of_the_box(old, new, facts):
+    assert _facts(old, new) == facts
 
 
 @pytest.mark.parametrize("old, new", [
@@ -151,10 +120,6 @@ def test_warnings_come_and_end():
 ])
 def test_a_warning_with_other_numbers_is_the_same_one(old, new):
     assert news((old,), (new,)) == []
-
-
-def test_a_restart_of_the_core_is_reported():
-    assert _facts(box(), box(uuid="uuid-2")) == [("core", "", {"what": "restarted", "box_uuid": "uuid-2"})]
 
 
 def test_one_zone_is_followed_with_its_own_teams_robots_and_the_whole_box():

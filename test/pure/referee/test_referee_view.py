@@ -30,14 +30,36 @@ def _lines(old, new):
     return [view.change_line(change, UTC) for change in changes(old, new, UTC0)]
 
 
-def test_all_zones_at_a_glance():
-    text = _status(running_zone(), zone(zone="Home B", off={"connect": ["a reason"], "next": []}))
-    assert "RSBB at 127.255.255.255:6666, 16:26:40 UTC: OK" in text
-    assert "Home A: RUNNING\n    Run: time left 8:33, Goal: time left 0:45, Used: 1:27 of 10:00\n    Name of" in text
-    assert "robot mbot: PREPARING, skew +0.012 s, heard just now (UDP port 6667)" in text
-    assert "Home B: NOT CONNECTED\n    Time limit of the run 10:00\n" in text
-    assert "HGTKMH, team TestingTeam, round 1, run 1, scheduled 16:36 UTC" in text
-    assert "allowed now: next" in text
+@pytest.mark.parametrize("zones, fields, texts", [
+    ([running_zone(), zone(zone="Home B", off={"connect": ["a reason"], "next": []})], {}, [
+        "RSBB at 127.255.255.255:6666, 16:26:40 UTC: OK",
+        "Home A: RUNNING\n    Run: time left 8:33, Goal: time left 0:45, Used: 1:27 of 10:00\n    Name of",
+        "robot mbot: PREPARING, skew +0.012 s, heard just now (UDP port 6667)",
+        "Home B: NOT CONNECTED\n    Time limit of the run 10:00\n",
+        "HGTKMH, team TestingTeam, round 1, run 1, scheduled 16:36 UTC", "allowed now: next"]),
+    ([], {"robots": (robot("late", skew=-0.15, silent_since=MONO0 - 12.0),)},
+     ["    TestingTeam late: skew -0.150 s, heard 12 s ago"]),
+    ([], {"robots": ()}, ["Active robots: none"]),
+    ([running_zone(state=("Running",), warnings=("silent",))], {"warnings": ("Another box",)},
+     ["WARNING: Another box", "    WARNING: silent"]),
+    ([running_zone(robot=ROBOT._replace(robot_state="", skew=None, heard=False))], {},
+     ["robot mbot: no state yet, skew not known, never heard on its private channel"]),
+    ([running_zone(phase="ended", end_reason="no_messages_saved")], {}, ["ENDED: no data saved\n"]),
+    ([running_zone(clock=RUN_CLOCK._replace(paused="place the \x1b mug"))], {},
+     ["Home A: RUNNING\n    PAUSED: place the \\x1b mug\n    Run: time left 8:33"]),
+    # What the referee has to do.
+    *(([asked(running_zone(), 1, "Place it", *form_fields)], {}, [f"TO DO by the referee: Place it{answers}\n"])
+      for form_fields, answers in (
+        ((), ""), (form_of(form("again", "skip")), " (again / skip)"), ((Number("n", say("How often?")),), " (from 0)"),
+        (ODD, " (held: Did the robot hold it? (yes / no); drops: How often did it fall? (0 to 9); place: Where is it "
+              "now? (table / floor); pose: Pose of the cup (x y direction, in m and degrees))"))),
+    ([running_zone(switches=Switches((1, 3), 2, False))], {}, ["switches that are on: 1, 3; damaged: 2\n"]),
+    ([running_zone(switches=Switches((), 0, True))], {},
+     ["switches that are on: none; damaged: 0; TO DO by the referee: enter"]),
+])
+def test_all_zones_at_a_glance(zones, fields, texts):
+    shown = _status(*zones, **fields)
+    assert [text for text in texts if text not in shown] == []
 
 
 def test_what_is_allowed_now_can_be_typed():
@@ -47,22 +69,8 @@ def test_what_is_allowed_now_can_be_typed():
     assert len(words) == len(ACTIONS) and not set(words) - set(known)
 
 
-def test_active_robots_with_skew_and_age():
-    far = robot("late", skew=-0.15, silent_since=MONO0 - 12.0)
-    assert "    TestingTeam late: skew -0.150 s, heard 12 s ago" in _status(robots=(far,))
-    assert "Active robots: none" in _status(robots=())
-
-
-def test_warnings_of_the_box_and_of_a_zone():
-    assert _status(status="A; B", warnings=("A", "B")).count("B") - _status().count("B") == 1, "not twice"
-    text = _status(running_zone(state=("Running",), warnings=("silent",)), warnings=("Another box",))
-    assert "WARNING: Another box" in text
-    assert "    WARNING: silent" in text
-
-
-def test_a_robot_of_which_little_is_known():
-    text = _status(running_zone(robot=ROBOT._replace(robot_state="", skew=None, heard=False)))
-    assert "robot mbot: no state yet, skew not known, never heard on its private channel" in text
+def test_a_warning_that_is_the_boxs_status_is_shown_once():
+    assert _status(status="A; B", warnings=("A", "B")).count("B") - _status().count("B") == 1
 
 
 def test_all_robots_at_once_are_listed_in_the_zones_report():
@@ -73,15 +81,6 @@ def test_all_robots_at_once_are_listed_in_the_zones_report():
     assert [line.strip() for line in report if "of team" in line] == [
         "robot a of team T: preparing", "robot b\\n of team T: ready"
     ]
-
-
-def test_the_end_of_a_run_says_why():
-    assert "ENDED: no data saved\n" in _status(running_zone(phase="ended", end_reason="no_messages_saved"))
-
-
-def test_a_pause_comes_before_the_times():
-    paused = running_zone(clock=RUN_CLOCK._replace(paused="place the \x1b mug"))
-    assert "Home A: RUNNING\n    PAUSED: place the \\x1b mug\n    Run: time left 8:33" in _status(paused)
 
 
 def test_times_are_local_unless_utc_is_asked_for():
@@ -95,20 +94,6 @@ def test_times_are_local_unless_utc_is_asked_for():
         assert shown == ["18:56:38 Home A: PREPARE: x", "02:29:59 Home A: online data: y"]
         assert view.change_line(Change(UTC0, "core", "", {"what": "back"}), local) == "18:56:40 core is back"
         assert view.schedule_lines([_event(1)], local)[1].startswith("Home A  1    2015-11-08 18:56  ~19:08  +12 min")
-
-
-def test_what_the_referee_has_to_do():
-    for fields, answers in (
-        ((), ""), (form_of(form("again", "skip")), " (again / skip)"), ((Number("n", say("How often?")),), " (from 0)"),
-        (ODD, " (held: Did the robot hold it? (yes / no); drops: How often did it fall? (0 to 9); place: Where is it "
-              "now? (table / floor); pose: Pose of the cup (x y direction, in m and degrees))"),
-    ):
-        text = _status(asked(running_zone(), 1, "Place the mug", *fields))
-        assert f"TO DO by the referee: Place the mug{answers}\n" in text
-    assert "switches that are on: 1, 3; damaged: 2\n" in _status(
-        running_zone(switches=Switches((1, 3), 2, False)))
-    assert "switches that are on: none; damaged: 0; TO DO by the referee: enter" in _status(
-        running_zone(switches=Switches((), 0, True)))
 
 
 SCORES = (
@@ -138,24 +123,11 @@ def test_a_score_that_changes_all_the_time_is_reported_once(old, new, reported):
         ["module's score: goal 1: Time: " + {1.25: "1.25 s", True: "yes s", "a": "a s"}[new] if reported else ""])
 
 
-def test_what_happens_by_hand():
-    busy = asked(running_zone(module_status="Goal 1"), 1, "Place the mug", *form_of(form("ok")))
-    lines = _lines(box(running_zone()), box(busy))
-    assert lines[0].endswith("Home A: TO DO by the referee: Place the mug (ok)")
-    assert lines[1].endswith("Home A: module: Goal 1")
-    assert _lines(box(busy), box(running_zone()))[0].endswith("Home A: manual operation over")
-    lines = _lines(box(running_zone()), box(running_zone(switches=Switches((2,), 0, True))))
-    assert "switches that are on: 2" in lines[0]
-
-
 def test_a_zone_in_full_has_every_reason_scores_and_online_data():
     full = running_zone(off={"connect": ["one", "two"]}, online_data="a\nb\n")
     text = "\n".join(view.zone_report(full, NOW, UTC))
-    assert "no connect: one" in text
-    assert "no connect: two" in text
-    assert "log: /logs/run.bag" in text
-    assert "Score sheet: HGTKMH" in text
-    assert "    a\n    b" in text
+    for part in ("no connect: one", "no connect: two", "log: /logs/run.bag", "Score sheet: HGTKMH", "    a\n    b"):
+        assert part in text
 
 
 def test_the_score_sheet_has_numbers_values_and_groups():
@@ -186,13 +158,12 @@ def test_the_score_sheet_shows_points_and_ratings():
     ]
 
 
+NOT_ATTEMPTED = ITEMS[1]._replace(not_attempted=True)
+
+
 def test_not_attempted_is_not_shown_as_0():
-    marked = ITEMS[1]._replace(not_attempted=True)
-    sheet = view.score_sheet(running_zone(items=(ITEMS[0], marked)), UTC)
+    sheet = view.score_sheet(running_zone(items=(ITEMS[0], NOT_ATTEMPTED)), UTC)
     assert sheet[2:] == ["       1     no  Detects the door", "       2  not attempted  Moved furniture"]
-    assert _lines(box(running_zone(items=(marked,))), box(running_zone(items=(ITEMS[1]._replace(value=2),)))) == [
-        "16:26:40Z Home A: score: Achievements: Moved furniture: not attempted → 2"
-    ]
 
 
 def test_values_that_were_set_are_highlighted():
@@ -204,18 +175,26 @@ def test_a_benchmark_without_items_says_so():
     assert "no scoring items" in view.score_sheet(running_zone(items=()), UTC)[-1]
 
 
-def test_changes_are_one_line_each_with_the_time():
-    assert _lines(box(zone(), robots=()), box(running_zone())) == [
-        "16:26:40Z robot TestingTeam mbot is active, skew +0.012 s",
-        "16:26:40Z Home A: RUNNING, robot is in PREPARING",
-    ]
-    assert _lines(box(zone()), box(zone(event=EVENTS[1]))) == [
-        "16:26:40Z Home A: now at HWV, team TestingTeam, round 1, run 2",
-    ]
-    score = running_zone(items=(ITEMS[0]._replace(value=1), *ITEMS[1:]))
-    assert _lines(box(running_zone()), box(score)) == [
-        "16:26:40Z Home A: score: Achievements: Detects the door: no → yes",
-    ]
+BUSY = asked(running_zone(module_status="Goal 1"), 1, "Place the mug", *form_of(form("ok")))
+
+
+@pytest.mark.parametrize("old, new, lines", [
+    (box(zone(), robots=()), box(running_zone()),
+     ["Z robot TestingTeam mbot is active, skew +0.012 s", "Z Home A: RUNNING, robot is in PREPARING"]),
+    (box(zone()), box(zone(event=EVENTS[1])), ["Z Home A: now at HWV, team TestingTeam, round 1, run 2"]),
+    (box(running_zone()), box(running_zone(items=(ITEMS[0]._replace(value=1), *ITEMS[1:]))),
+     ["Z Home A: score: Achievements: Detects the door: no → yes"]),
+    (box(running_zone(items=(NOT_ATTEMPTED,))), box(running_zone(items=(ITEMS[1]._replace(value=2),))),
+     ["Z Home A: score: Achievements: Moved furniture: not attempted → 2"]),
+    (box(running_zone()), box(BUSY),
+     ["Z Home A: TO DO by the referee: Place the mug (ok)", "Z Home A: module: Goal 1"]),
+    (box(BUSY), box(running_zone()), ["Z Home A: manual operation over"]),
+    (box(running_zone()), box(running_zone(switches=Switches((2,), 0, False))),
+     ["Z Home A: switches that are on: 2; damaged: 0"]),
+    (box(warnings=("first",)), box(warnings=("second",)), ["Z WARNING: second", "Z over: first"]),
+])
+def test_changes_are_one_line_each_with_the_time(old, new, lines):
+    assert _lines(old, new) == [f"16:26:40{line}" for line in lines]
 
 
 def test_lines_of_the_core_keep_their_own_time():
@@ -229,29 +208,19 @@ def test_a_state_that_the_core_logs_itself_is_not_reported_twice():
     assert _lines(box(running_zone()), box(running_zone(robot=ROBOT._replace(box_state="WAITING_RESULT")))) == [""]
 
 
-@pytest.mark.parametrize("facts, text", [
-    ({"phase": "connected", "end_reason": "", "robot": "mbot", "port": 6667}, "CONNECTED to mbot on UDP port 6667"),
-    ({"phase": "ended", "end_reason": "no_messages_saved"}, "ENDED: no data saved"),
-    ({"phase": "idle", "end_reason": ""}, "NOT CONNECTED"),
+@pytest.mark.parametrize("kind, facts, text", [
+    ("state", {"phase": "connected", "end_reason": "", "robot": "mbot", "port": 6667},
+     "Home A: CONNECTED to mbot on UDP port 6667"),
+    ("state", {"phase": "ended", "end_reason": "no_messages_saved"}, "Home A: ENDED: no data saved"),
+    ("state", {"phase": "idle", "end_reason": ""}, "Home A: NOT CONNECTED"),
+    ("core", {"what": "silent"}, "core SILENT: the state above is old; waiting for the core"),
+    ("core", {"what": "silent", "why": "restart it\x1b"},
+     "core SILENT: the state above is old; waiting for the core (restart it\\x1b)"),
+    ("core", {"what": "back"}, "core is back"), ("core", {"what": "restarted"}, "core was RESTARTED"),
 ])
-def test_phases(facts, text):
-    change = Change(UTC0, "state", "Home A", {**facts, "changed": ["phase"]})
-    assert view.change_line(change, UTC) == f"16:26:40Z Home A: {text}"
-
-
-@pytest.mark.parametrize("what, word", [("silent", "SILENT"), ("back", "back"), ("restarted", "RESTARTED")])
-def test_the_core_disappears_and_returns(what, word):
-    assert word in view.change_line(Change(UTC0, "core", "", {"what": what}), UTC)
-
-
-def test_why_the_core_is_silent():
-    silent = Change(UTC0, "core", "", {"what": "silent", "why": "restart it\x1b"})
-    assert view.change_line(silent, UTC).endswith("waiting for the core (restart it\\x1b)")
-
-
-def test_warnings_say_so_and_say_when_they_are_over():
-    old, new = box(warnings=("first",)), box(warnings=("second",))
-    assert _lines(old, new) == ["16:26:40Z WARNING: second", "16:26:40Z over: first"]
+def test_phases_and_a_core_that_disappears_and_returns(kind, facts, text):
+    change = Change(UTC0, kind, "" if kind == "core" else "Home A", {**facts, "changed": ["phase"]})
+    assert view.change_line(change, UTC) == f"16:26:40Z {text}"
 
 
 def test_colour_only_adds_to_the_words():
