@@ -166,7 +166,7 @@ def test_operations_are_answered_as_the_referee_types(acts, given, notes):
 @pytest.mark.parametrize("ahead", [True, False])
 def test_what_is_shown_for_a_moment_longer_is_not_asked_again(ahead):
     table = Table(Typed, ahead)
-    table.play(("asks", PLACE), ("types", "", ""), ("looks", 3))
+    table.play(("asks", PLACE), ("types", ""), ("asks", PLACE), ("types", ""), ("looks", 3))
     assert len(table.link.given) == len(table.notes) == 1
     table.play(("asks", AGAIN), ("looks", 3))
     assert len(table.notes) == 2
