@@ -114,7 +114,8 @@ Score of the benchmarking module
 
 
 @pytest.mark.parametrize(("old", "new", "reported"), [
-    (None, 1.25, True), (1.25, 2.5, False), (False, True, True), ("", "a", True), (1.25, None, False), ("a", None, False),
+    (None, 1.25, True), (1.25, 2.5, False), (False, True, True), ("", "a", True), (1.25, None, False),
+    ("a", None, False),
 ])
 def test_a_score_that_changes_all_the_time_is_reported_once(old, new, reported):
     zones = [running_zone(module_scores=(SCORES[0]._replace(value=json.dumps(value)),)) for value in (old, new)]
