@@ -23,7 +23,15 @@ from roah_rsbb.standby import pairing
 from roah_rsbb.standby.beside_copy import PackedModules
 from roah_rsbb.standby.channel import MODULES
 from roah_rsbb.standby.pair import hashed, rejoin_key
-from roah_rsbb.standby.pairing import PairedBox, PairedStandby, is_standby, read_box, write_box, write_standby
+from roah_rsbb.standby.pairing import (
+    PairedBox,
+    PairedStandby,
+    is_standby,
+    read_box,
+    read_standby,
+    write_box,
+    write_standby,
+)
 from roah_rsbb.standby.program import keeping, takeover
 from roah_rsbb.standby.program import main as standby
 from roah_rsbb.standby.program.ears import Automatic, NoAddress
@@ -150,12 +158,13 @@ def test_each_way_in_which_the_box_is_heard_is_a_reason(copied, monkeypatch, ans
 
 @pytest.mark.parametrize("anyway", [False, True])
 def test_a_takeover_needs_an_option_while_the_box_is_heard(copied, monkeypatch, anyway):
-    started = []
+    started, ended = [], []
+    monkeypatch.setattr(StandbyFolder, "end_follower", lambda _: ended.append(1))
     monkeypatch.setattr(StandbyFolder, "why_not", lambda *_: ["The box answers."])
     monkeypatch.setattr(os, "execvp", lambda name, command: started.append(command))
     if anyway:
         entered(copied.stick, "takeover", "--anyway")
-        assert len(started) == 1
+        assert len(started) == len(ended) == 1, "the program that keeps the copy must not be the box, too"
     else:
         with pytest.raises(standby.Denied, match="The box answers.*\n.*--anyway"):
             entered(copied.stick, "takeover")
@@ -382,6 +391,7 @@ class Keeping:
         monkeypatch.setattr(os, "execvp", lambda *_: self.note("box started"))
         self.box = PairedBox("127.0.0.1", 8083, "ff", "key")
         write_box(folder, self.box)
+        write_standby(folder, PairedStandby("the box before", "00"))  # as if this computer had been the box
 
     def note(self, what):
         is_locked = linux.is_locked(os.path.join(self.folder, takeover.LOCK))
@@ -448,7 +458,7 @@ def test_the_new_box_is_not_made_a_standby_by_habit(copied, words, said):
     StandbyFolder(folder).become_box(box)
     with pytest.raises(standby.Denied, match=said):
         entered(folder, *words)
-    assert not is_standby(folder)
+    assert not is_standby(folder) and read_standby(folder).is_awaited
 
 
 @pytest.mark.parametrize("words, used", [
