@@ -11,8 +11,7 @@ from rclpy.node import Node
 from roah_rsbb_msgs.action import Run
 from roah_rsbb_msgs.srv import Override, OverrideGoal
 
-from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
-from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password, password_in
+from roah_rsbb.comm.ciphers import PASSWORD_VARIABLE, Cipher, cipher_by_label, own_password, password_in
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import Result

@@ -29,9 +29,9 @@ from roah_rsbb.capture.decoding import (
 )
 from roah_rsbb.capture.listening import DatagramListener, PlainListener, RawListener
 from roah_rsbb.comm import sockets
+from roah_rsbb.comm.ciphers import PASSWORD_VARIABLE, own_password
 from roah_rsbb.comm.complaints import likely_cause
 from roah_rsbb.comm.frame import PRIVATE_TYPES, PUBLIC_TYPES
-from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
 from roah_rsbb.ground.arguments import Parser, add_password, called, number, public_port
 from roah_rsbb.ground.installed import warn_if_replaced
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb

@@ -22,8 +22,7 @@ from roah_rsbb.bmbox.host.dummy_world import DummyWorld
 from roah_rsbb.check.box import another_box
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.channels import MakePeer, Network
-from roah_rsbb.comm.ciphers import Cipher
-from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
+from roah_rsbb.comm.ciphers import PASSWORD_VARIABLE, Cipher, own_password
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box

@@ -16,8 +16,7 @@ from roah_rsbb.check.play import Options, Play
 from roah_rsbb.check.report import ScenarioResult, Verdict
 from roah_rsbb.check.scenarios import SCENARIOS, Depth, Scenario
 from roah_rsbb.comm import sockets
-from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
-from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
+from roah_rsbb.comm.ciphers import PASSWORD_VARIABLE, Cipher, cipher_by_label, own_password
 from roah_rsbb.ground import linux
 from roah_rsbb.ground.arguments import Parser, add_password, called, number, public_port, read_by
 from roah_rsbb.ground.installed import pages_folder, warn_if_replaced

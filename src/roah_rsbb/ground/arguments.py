@@ -96,7 +96,7 @@ def read_by(read: Callable[[str], T]) -> Callable[[str], T]:
 
 
 def add_password(to: "argparse._ArgumentGroup") -> None:
-    """Add the ways to give one team's password (`comm.passwords.own_password`)."""
+    """Add the ways to give one team's password (`comm.ciphers.own_password`)."""
     password = to.add_mutually_exclusive_group()
     password.add_argument("--password", help="the team's password, for tests (see below)")
     password.add_argument("--password-file", metavar="FILE", help="a file whose first line is the password")

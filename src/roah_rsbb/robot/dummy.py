@@ -16,8 +16,7 @@ from dataclasses import dataclass
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
 from roah_rsbb.comm.channels import MakePeer
-from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
-from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
+from roah_rsbb.comm.ciphers import PASSWORD_VARIABLE, Cipher, cipher_by_label, own_password
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.ground import linux
 from roah_rsbb.ground.arguments import Parser, add_password, called, number, read_by

@@ -7,7 +7,7 @@ from helpers.checked_robot import Checked, usual_robot
 from roah_rsbb.check.engine import scenarios_of
 from roah_rsbb.check.report import Verdict
 from roah_rsbb.check.scenarios import SCENARIOS, Depth
-from roah_rsbb.comm import memory
+from roah_rsbb.comm import peer
 from roah_rsbb.robot.dummy import DummyOptions
 from roah_rsbb.rulebook.registry import PROFILES
 
@@ -60,7 +60,7 @@ def test_a_robot_that_obeys_a_timeout_before_the_check_looks_is_judged(monkeypat
         return handle
 
     usual = simulated_air.SimulatedLoop.call_at
-    monkeypatch.setattr(memory, "DELAY_S", 0.0)
+    monkeypatch.setattr(peer, "DELAY_S", 0.0)
     monkeypatch.setattr(simulated_air.SimulatedLoop, "call_at", call_at)
     checked = Checked(monkeypatch, names=["next-waypoint", "goal-timeout"])
     assert [result.verdict for result in checked.engine.results] == [Verdict.PASSED] * 3, checked.findings

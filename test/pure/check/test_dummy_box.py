@@ -13,7 +13,7 @@ from roah_rsbb.check.dummy_box import DummyBox, parameters_of
 from roah_rsbb.comm import channels
 from roah_rsbb.comm.channels import Network
 from roah_rsbb.comm.ciphers import Cipher
-from roah_rsbb.comm.memory import MemoryAir
+from roah_rsbb.comm.peer import MemoryAir
 from roah_rsbb.ground.installed import shipped_folder
 from roah_rsbb.model.records import EndReason
 from roah_rsbb.protocol import RobotState

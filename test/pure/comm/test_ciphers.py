@@ -10,7 +10,7 @@ from cryptography.hazmat.primitives import ciphers as library
 from cryptography.hazmat.primitives import padding
 
 from helpers import golden
-from roah_rsbb.comm.ciphers import BLOCK_SIZE, Cipher, Key, cipher_by_label
+from roah_rsbb.comm.ciphers import BLOCK_SIZE, Cipher, Key, cipher_by_label, own_password
 
 KEYS = [record for record in golden.load("keys") if record["password"]]  # the original allows an empty one
 ENCRYPTING = [cipher for cipher in Cipher if cipher is not Cipher.NONE]
@@ -134,3 +134,17 @@ def test_refuses_incomplete_blocks_and_continues(size):
     with pytest.raises(ValueError, match=f"{size} bytes are not whole blocks of 16"):
         key.decrypt(Cipher.AES_128_CBC, bytes(16), bytes(size))
     assert key.decrypt(Cipher.AES_128_CBC, sent[:16], sent[16:]) == b"before"
+
+# -- a team's own password: from the argument, a file or the environment ------------------------------
+
+
+def test_ones_own_password(tmp_path, monkeypatch):
+    monkeypatch.delenv("ROAH_RSBB_KEY", raising=False)
+    assert own_password(None, None) is None
+    monkeypatch.setenv("ROAH_RSBB_KEY", "e")
+    assert own_password(None, None) == "e"
+    (tmp_path / "f").write_text("p q\nx\n", encoding="utf-8")
+    assert own_password(None, str(tmp_path / "f")) == "p q"
+    assert own_password("o", None) == "o"
+    with pytest.raises(ValueError, match="No such file"):
+        own_password(None, str(tmp_path / "none"))

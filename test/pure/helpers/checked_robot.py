@@ -8,7 +8,7 @@ from roah_rsbb.check.engine import Engine, scenarios_of
 from roah_rsbb.check.play import Options, Play
 from roah_rsbb.check.scenarios import Depth
 from roah_rsbb.comm import channels
-from roah_rsbb.comm.memory import MemoryAir
+from roah_rsbb.comm.peer import MemoryAir
 from roah_rsbb.robot.client import RobotClient
 from roah_rsbb.robot.dummy import DummyOptions, DummyRobot
 

@@ -8,7 +8,7 @@ from helpers.simulated_air import SimulatedLoop
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.channels import Network, PublicChannel
 from roah_rsbb.comm.ciphers import Cipher
-from roah_rsbb.comm.memory import MemoryAir
+from roah_rsbb.comm.peer import MemoryAir
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box

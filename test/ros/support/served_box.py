@@ -9,7 +9,7 @@ from typing import Any, Callable, List
 from roah_rsbb.box.program.demo import settings
 from roah_rsbb.box.program.parts import InProcessClient
 from roah_rsbb.box.program.program import BoxProgram
-from roah_rsbb.comm.memory import MemoryAir
+from roah_rsbb.comm.peer import MemoryAir
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
 from roah_rsbb.devices.dummy_server import DummyServer
 from roah_rsbb.model.document import Document

@@ -17,7 +17,7 @@ from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 from tornado import web
 
 from roah_rsbb.box.settings import LAUNCH
-from roah_rsbb.comm.passwords import PASSWORD_VARIABLE
+from roah_rsbb.comm.ciphers import PASSWORD_VARIABLE
 from roah_rsbb.ground.arguments import without_ros
 from roah_rsbb.ground.installed import shipped_folder
 from roah_rsbb.ground.linux import on_end, open_in_browser

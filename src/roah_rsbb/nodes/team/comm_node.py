@@ -17,8 +17,7 @@ from typing import Callable, Optional
 import rospy
 from google.protobuf import text_format
 
-from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
-from roah_rsbb.comm.passwords import password_in
+from roah_rsbb.comm.ciphers import Cipher, cipher_by_label, password_in
 from roah_rsbb.ground.params import BadParams, Params
 from roah_rsbb.nodes.team.comm_interface import CommInterface, RobotRequests
 from roah_rsbb.nodes.team.generations import DEFAULT, GENERATIONS, report_refused, types_of

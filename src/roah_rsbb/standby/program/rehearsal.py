@@ -13,10 +13,11 @@ import subprocess
 import tempfile
 import threading
 import time
-from typing import Iterator, List, NamedTuple, Optional, Tuple
+from typing import Iterator, List, NamedTuple, Tuple
 
 from roah_rsbb.client.places import OWN_VARIABLE
 from roah_rsbb.core.box import SUPERSEDED
+from roah_rsbb.ground import linux
 from roah_rsbb.ground.arguments import is_without_ros, typed, without_ros
 
 BOX, STANDBY, ROBOT, BROADCAST = "127.0.0.21", "127.0.0.22", "127.0.0.23", "127.255.255.255"
@@ -183,12 +184,5 @@ def _free_ports(count: int, kind: int = socket.SOCK_STREAM) -> List[int]:
 
 def _children(pid: int) -> List[int]:
     """Return the processes that a process started."""
-    return [int(name) for name in os.listdir("/proc") if name.isdigit() and _parent(name) == pid]
-
-
-def _parent(name: str) -> Optional[int]:
-    try:
-        with open(f"/proc/{name}/stat", encoding="ascii", errors="replace") as file:
-            return int(file.read().rpartition(")")[2].split()[1])
-    except (OSError, IndexError, ValueError):
-        return None
+    return [int(name) for name in os.listdir("/proc")
+            if name.isdigit() and linux.status_of(int(name))[1:2] == [str(pid)]]
