@@ -3302,27 +3302,27 @@
         <translation>Pose</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/box/assembly.py"/>
+        <location filename="../../src/roah_rsbb/box/game.py"/>
         <source>stopped, not yet recorded</source>
         <translation>gestoppt, noch nicht aufgezeichnet</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/box/assembly.py"/>
+        <location filename="../../src/roah_rsbb/box/game.py"/>
         <source>stopped, not yet recorded: {why}</source>
         <translation>gestoppt, noch nicht aufgezeichnet: {why}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/box/assembly.py"/>
+        <location filename="../../src/roah_rsbb/box/game.py"/>
         <source>the disk of log_dir takes no data. The robot gets STOP all the same. Check the disk</source>
         <translation>die Festplatte von log_dir nimmt keine Daten an. Der Roboter bekommt STOP trotzdem. Prüfen Sie die Festplatte</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/box/assembly.py"/>
+        <location filename="../../src/roah_rsbb/box/game.py"/>
         <source>the journal cannot be written: {why}. The robot gets STOP all the same. Free or repair the disk of log_dir</source>
         <translation>das Journal kann nicht geschrieben werden: {why}. Der Roboter bekommt STOP trotzdem. Schaffen Sie Platz auf der Festplatte von log_dir, oder reparieren Sie sie</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/box/assembly.py"/>
+        <location filename="../../src/roah_rsbb/box/game.py"/>
         <source>the standby does not have it, because it is not connected. Write the STOP down, and check the standby</source>
         <translation>der Standby hat es nicht, weil er nicht verbunden ist. Schreiben Sie das STOP auf, und prüfen Sie den Standby</translation>
     </message>

@@ -1,7 +1,7 @@
 """Drives a box without ROS and without a journal: for programs that play the box on a laptop.
 
 It passes events with their time to the box, and carries out those effects that concern the network. The core node has
-a driver of its own, which also records everything (`roah_rsbb.box.driver`).
+a driver of its own, which also records everything (`roah_rsbb.box.game`).
 """
 
 import asyncio

@@ -104,7 +104,7 @@ class CoreRadio:
         self.public = PublicChannel(loop, network, self._on_public, self._on_complaint, make_peer=make_peer)
 
     def connect(self, event: OnEvent, report: OnReport) -> None:
-        """Take the ways to the box, before anything is opened: see `CoreDriver.event` and `CoreDriver.report`."""
+        """Take the ways to the box, before anything is opened: see `Game.event` and `Game.report`."""
         self._event, self._report = event, report
 
     def use_passwords(self, version: int, passwords: Mapping[str, str]) -> None:

@@ -36,7 +36,7 @@ class ServedBox:
         self._thread.start()
         self._folder = folder
         self.program: BoxProgram = self.do(lambda: self._open(robots, changes))
-        running = self.program.running
+        running = self.program
         self._client = InProcessClient(running.door, self._loop, self._loop, happened, "referee")
 
     def _run(self) -> None:
@@ -60,10 +60,10 @@ class ServedBox:
         found = settings(str(self._folder), **{"web_port": "0", "tablet": "false", **changes})
         program = BoxProgram(self._loop, found, "", air.peer, is_dummy=True)
         await program.start(str(self._folder / "door.json"))
-        teams = [TEAM, *(team for team in program.running.config.passwords if team != TEAM)]
+        teams = [TEAM, *(team for team in program.config.passwords if team != TEAM)]
         for number, team in enumerate(teams[:robots], 2):
             program.keep(dummy_client(
-                team, program.running.config.passwords[team], options=DummyOptions(execute_duration=RUN_S),
+                team, program.config.passwords[team], options=DummyOptions(execute_duration=RUN_S),
                 rsbb_host=LOOPBACK_BROADCAST, bind_host=f"127.0.0.{number}", make_peer=air.peer).run())
         return program
 

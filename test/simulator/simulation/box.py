@@ -2,8 +2,7 @@
 
 import math
 
-from roah_rsbb.box.assembly import BoxPlace, CoreAssembly, Machine
-from roah_rsbb.box.driver import Outputs
+from roah_rsbb.box.game import BoxPlace, Game, Machine, Outputs
 from roah_rsbb.comm.channels import Network, Seen
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.core.copies import STANDBY
@@ -97,15 +96,15 @@ class Box:
             computer.boot_id, self.starts, f"uuid {computer.name} {self.starts}", computer.mono, computer.utc,
             computer.mono, world.random_bytes, Seen(SEEN_BITS), world.can_wait, lambda work: work())
         network = Network(BROADCAST, 6666, computer.host, Cipher.AES_128_CBC, False, 1024)
-        outputs = Outputs(lambda: None, lambda: None, lambda wish: None, self._log, self._bug,
-                          lambda: self.oracles.happened(self))
+        outputs = Outputs(lambda: None, lambda: None, lambda wish: None, self._log, self._bug)
         ports = PortRecord(self.storage.folder, lambda work: process.loop.call_later(self.storage.sync_s(), work))
         self.memory.begin()
         place = BoxPlace(self.storage.folder, network, self.standby_port)
-        core = CoreAssembly(
+        core = Game(
             process.loop, machine, place, self.config, 0, self.settings, "", self.storage.open_journal(process), ports,
             RunLogs, outputs, self._ask_standby, world.air.peer_maker(process),
             self._end_superseded, self.memory, self._inform_standby)
+        core.on_changed = lambda: self.oracles.happened(self)
         if self.backup is not None:
             core.box.copies.expect(core.now(), STANDBY)
         self.oracles.opened(self, core)

@@ -56,7 +56,7 @@ FAULTS = (
           "        self._batch.outcomes[record.identity] = ",
           "        if not any(entry.correction for entry in record.history):\n"
           "            self._batch.outcomes[record.identity] = "),
-    Fault("used ports are forgotten in a restart", "roah_rsbb.box.assembly",
+    Fault("used ports are forgotten in a restart", "roah_rsbb.box.game",
           "max(last_ports), version)", "0, version)"),
     Fault("a restarted core does not use the time that passed", "roah_rsbb.model.clock",
           "        return now.mono - passed - self.mono\n", "        return now.mono - self.mono\n"),

@@ -97,7 +97,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     async def work(program: BoxProgram) -> int:
         door = os.path.join(log_dir, "door.json")  # terminals are not to take it for the box of a competition
         await program.start(door)
-        config = program.running.config
+        config = program.config
         behaviour = DummyOptions(options.duration, options.duration)
         for number_, team in enumerate(teams_of(config)[:options.robots]):
             robot = dummy_client(

@@ -2,33 +2,37 @@
 
 import asyncio
 import concurrent.futures
+import json
 import logging
+import math
 import threading
 import time
-from typing import Any, Callable, List, Mapping, Optional, Sequence, Union
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Union
 
 from roah_rsbb.bmbox.host.host import chosen_benchmarks
 from roah_rsbb.box.door import BoxDoor
+from roah_rsbb.box.game import Game
 from roah_rsbb.box.program.modules_process import ModulesProcess, modules_command
-from roah_rsbb.box.running import RunningBox
 from roah_rsbb.client.client import TIMEOUT_S, UNANSWERED, Answer, Done, answer_of
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.sockets import source_host
+from roah_rsbb.core.copies import CopyReport
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.devices.devices import HomeDevices, open_settings
 from roah_rsbb.devices.smartif import BadSetting, Home, devices_state
 from roah_rsbb.devices.sounds import BELL, TIMEOUT, Sound, command_of
-from roah_rsbb.document.calls import PAIR, Call, Caller, InThread
+from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, PAIR, STOPPED, Call, Caller, InThread
 from roah_rsbb.ground.installed import shipped_folder
 from roah_rsbb.ground.linux import end_loop
 from roah_rsbb.ground.loop import call_in_loop
 from roah_rsbb.ground.params import Params
-from roah_rsbb.ground.signs_of_life import WEB_PORT
+from roah_rsbb.ground.signs_of_life import WEB_PORT, Lifeline
 from roah_rsbb.model.actions import STOP
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.modules import ModulesState
+from roah_rsbb.model.reason import Refused, decode
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.tablet.server import TabletPage
 from roah_rsbb.web.gateway import Gateway, GatewayHost
@@ -40,6 +44,9 @@ NAME = "roah_rsbb"  # of this program, for the box's records
 LOOPBACK = "127.0.0.1"
 # Any address outside of this computer: nothing is sent to it.
 PUBLIC_ADDRESS = "192.0.2.1"
+BOX = Caller("box")
+MAX_REPORT = 4000  # characters of a report of the program that copies
+_MALFORMED = "a malformed message of the program that copies the journal: install the same version there as on the box"
 
 _log = logging.getLogger(__name__)
 
@@ -52,21 +59,21 @@ class DrivenModules:
         """`is_dummy`: a simulated motion-capture system sees what the rules ask for. `program`: see `modules_command`.
         Raises `BadParams`."""
         folder = params.path("modules_dir")
-        self._running: Optional[RunningBox] = None
+        self._game: Optional[Game] = None
         self._process = ModulesProcess(
             loop, modules_command(folder, chosen_benchmarks(params, folder), is_dummy, program), self._take_state)
         self._is_started = False
 
-    def start(self, running: RunningBox) -> None:
+    def start(self, game: Game) -> None:
         """Drive the runs of a box."""
-        self._running = running
+        self._game = game
         self.publish_runs()
 
     def publish_runs(self) -> None:
         """Hand the runs over that have a module."""
-        if self._running is None:
+        if self._game is None:
             return
-        box = self._running.box
+        box = self._game.box
         runs, planned = box.modules.runs(), [event for zone in box.zones.values() for event in zone.planned]
         # After a change of the schedule, there may be a run that is not planned any more.
         if not self._is_started and (
@@ -76,8 +83,8 @@ class DrivenModules:
         self._process.take(runs)
 
     def _take_state(self, state: ModulesState) -> None:
-        if self._running is not None:
-            self._running.event(self._running.box.modules.on_modules, state)
+        if self._game is not None:
+            self._game.event(self._game.box.modules.on_modules, state)
 
     def close(self) -> None:
         """End them, if they were started."""
@@ -117,7 +124,7 @@ class ControlledDevices:
     def __init__(self, loop: asyncio.AbstractEventLoop, params: Params, log_dir: str,
                  on_bell: Callable[[], object], launch: str = "") -> None:
         """`launch`: with another one, all devices are off at first; empty: never. Raises `BadParams`."""
-        self._running: Optional[RunningBox] = None
+        self._game: Optional[Game] = None
         self.home: Optional[HomeDevices] = None
         """None: this box controls none."""
         self._rings = [on_bell]
@@ -129,11 +136,11 @@ class ControlledDevices:
             self.home = HomeDevices(loop, host, port, on_state=self._on_state, on_bell=self._on_bell,
                                     on_status=self._on_status, saved=saved, save=save)
 
-    def start(self, running: RunningBox) -> None:
+    def start(self, game: Game, door: BoxDoor) -> None:
         """Connect to the controller."""
-        self._running = running
+        self._game = game
         if self.home is not None:
-            running.door.add_calls(self.home.calls())
+            door.add_calls(self.home.calls())
             self.home.start()
 
     def follow(self, on_state: Callable[[Home], object], on_bell: Callable[[], object],
@@ -153,12 +160,12 @@ class ControlledDevices:
                 raise BadSetting(NO_DEVICES)
             self.home.set(wish.device, wish.value)
         except BadSetting as error:
-            assert self._running is not None, "robots are heard after the start"
-            self._running.event(self._running.box.on_device_refused, wish.zone, wish.device, wish.value, str(error))
+            assert self._game is not None, "robots are heard after the start"
+            self._game.event(self._game.box.on_device_refused, wish.zone, wish.device, wish.value, str(error))
 
     def _on_state(self, home: Home) -> None:
-        assert self._running is not None, "it was started"
-        self._running.event(self._running.box.on_devices, devices_state(home))
+        assert self._game is not None, "it was started"
+        self._game.event(self._game.box.on_devices, devices_state(home))
         for follow in self._follow_state:
             follow(home)
 
@@ -167,8 +174,8 @@ class ControlledDevices:
             ring()
 
     def _on_status(self, connected: bool, text: str) -> None:
-        assert self._running is not None, "it was started"
-        self._running.event(self._running.box.on_devices_status, connected, text)
+        assert self._game is not None, "it was started"
+        self._game.event(self._game.box.on_devices_status, connected, text)
         for follow in self._follow_status:
             follow(connected, text)
 
@@ -244,10 +251,10 @@ class WebParts:
     """The web pages and the tablet's page, in a thread of their own: whatever their readers send, and however slow the
     disk is that keeps who is paired, the box's loop does not wait."""
 
-    def __init__(self, box_loop: asyncio.AbstractEventLoop, params: Params, running: RunningBox,
+    def __init__(self, box_loop: asyncio.AbstractEventLoop, params: Params, door: BoxDoor, lifeline: Lifeline,
                  make_peer: MakePeer = Peer, address: str = "") -> None:
         """`address`: of this computer, for referees; empty: the one that it has in its network. Raises `BadParams`."""
-        self._running, self._box_loop, self._loop = running, box_loop, asyncio.new_event_loop()
+        self._door, self._box_loop, self._loop = door, box_loop, asyncio.new_event_loop()
         self._calls: Mapping[str, Call] = {}
         self.url: concurrent.futures.Future[str] = concurrent.futures.Future()
         """Of the web pages on this computer, once they are served."""
@@ -260,7 +267,7 @@ class WebParts:
         self.has_pages = params.flag("web", False)
         if self.has_pages:
             if not params.text("web_cert", ""):
-                running.lifeline.keep(WEB_PORT, str(params.whole("web_port", 8081, 0, 65535)))
+                lifeline.keep(WEB_PORT, str(params.whole("web_port", 8081, 0, 65535)))
             self._parts.append(Gateway(self._loop, params, GatewayHost(
                 resource, NAME, address, self._make_client, self.url.set_result, names)))
         if params.flag("tablet", False):
@@ -272,8 +279,8 @@ class WebParts:
     def _make_client(self, on_change: Callable[[], object], calls: Mapping[str, Call]) -> InProcessClient:
         self._calls = calls
         # Others make them in the box's loop, which does not wait for this thread.
-        self._running.door.add_calls({name: self._in_thread(call) for name, call in calls.items()})
-        return InProcessClient(self._running.door, self._box_loop, self._loop, on_change, "referee")
+        self._door.add_calls({name: self._in_thread(call) for name, call in calls.items()})
+        return InProcessClient(self._door, self._box_loop, self._loop, on_change, "referee")
 
     def _in_thread(self, call: Call) -> Call:
         def make(arguments: Mapping[str, Any], caller: Caller) -> Any:
@@ -305,3 +312,49 @@ class WebParts:
         if self._thread.is_alive():
             self._loop.call_soon_threadsafe(self._loop.stop)
             self._thread.join(LEAVE_S)
+
+
+class CopyCalls:
+    """What the box and the program that copies its journal say to each other through the door (docs/door.md). It is a
+    process of its own (`standby/program/copying.py`): the box never waits for a copy."""
+
+    def __init__(self, uuid: str, game: Game, door: BoxDoor) -> None:
+        """`uuid`: of this start of the box, because its tickets are only its own."""
+        self._uuid, self._game, self._door = uuid, game, door
+
+    def named(self) -> Dict[str, Call]:
+        """The calls of the program that copies."""
+        return {COPY_REPORT: self._report, COPIED: self._copied}
+
+    def ask(self, ticket: int) -> None:
+        """Ask whether the standby has everything up to a ticket of the journal. The answer is the call `COPIED`; a
+        question is lost if nobody copies."""
+        self._door.ask(COPY, {"box": self._uuid, "journal": self._game.store.identity, "ticket": ticket}, BOX)
+
+    def pass_stops(self, stops: Mapping[str, str]) -> None:
+        """Pass STOPs that were sent to the standby, before their records are written. Nothing waits for it."""
+        self._door.announce(STOPPED, {"stops": dict(stops)}, BOX)
+
+    def _report(self, found: Mapping[str, Any], _caller: Caller) -> None:
+        behind_s = found.get("behind_s")
+        if len(json.dumps(found)) > MAX_REPORT:
+            raise Refused([_MALFORMED])
+        place, journal, missing = (_checked(found, name, kind) for name, kind in (
+            ("place", str), ("journal", str), ("missing_bytes", int)))
+        report = CopyReport(
+            place, journal == self._game.store.identity,
+            math.inf if behind_s is None else max(0.0, _checked(found, "behind_s", (int, float))), missing,
+            *(decode(found[name]) if found.get(name) else "" for name in ("trouble", "notice")))
+        self._game.event(self._game.box.on_copy_report, report)
+        self._game.standby.look()
+
+    def _copied(self, found: Mapping[str, Any], _caller: Caller) -> None:
+        if _checked(found, "box", str) == self._uuid:
+            self._game.standby.on_answer(_checked(found, "ticket", int))
+
+
+def _checked(found: Mapping[str, Any], name: str, kind: Any) -> Any:
+    value = found.get(name)
+    if not isinstance(value, kind) or isinstance(value, bool):
+        raise Refused([_MALFORMED])
+    return value

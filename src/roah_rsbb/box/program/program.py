@@ -6,17 +6,27 @@ of benchmarks have another process, because they are code of others (`modules_pr
 
 import asyncio
 import contextlib
+import functools
+import gc
 import json
 import logging
 import os
 import pathlib
+import shlex
+import stat
+import sys
+import threading
+import time
+import uuid
 from typing import Any, BinaryIO, Callable, Coroutine, List, Optional, Sequence
 
-from roah_rsbb.box.calls import exit_call
-from roah_rsbb.box.parameters import parameters_of
-from roah_rsbb.box.program.parts import LOOPBACK, ControlledDevices, DrivenModules, Sounds, WebParts
+from roah_rsbb.box.calls import BoxCalls, Disks, exit_call
+from roah_rsbb.box.configuration import Configuration, Reloads
+from roah_rsbb.box.door import BoxDoor
+from roah_rsbb.box.game import BoxPlace, Game, Machine, Outputs
+from roah_rsbb.box.parameters import BoxParameters, parameters_of
+from roah_rsbb.box.program.parts import LOOPBACK, ControlledDevices, CopyCalls, DrivenModules, Sounds, WebParts
 from roah_rsbb.box.program.supervisor import CopyingProcess
-from roah_rsbb.box.running import Peripherals, RunningBox
 from roah_rsbb.box.standing_by import wait_for_journal, wait_for_takeover
 from roah_rsbb.client.places import (
     OWN_VARIABLE,
@@ -29,18 +39,34 @@ from roah_rsbb.client.places import (
     write_place,
 )
 from roah_rsbb.comm.channels import MakePeer, Network
+from roah_rsbb.comm.complaints import OnceASecond
 from roah_rsbb.comm.peer import Peer
+from roah_rsbb.comm.sender import on_grid
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.copies.settings import copy_settings
-from roah_rsbb.core.effects import SetDevice
+from roah_rsbb.core.copies import NO_PORT
+from roah_rsbb.core.effects import Level, SetDevice
 from roah_rsbb.document.calls import EXIT
 from roah_rsbb.ground import linux
-from roah_rsbb.ground.linux import open_in_browser
+from roah_rsbb.ground.linux import boot_id, open_in_browser
+from roah_rsbb.ground.loop import call_in_loop
 from roah_rsbb.ground.params import BadParams, Params
 from roah_rsbb.ground.signs_of_life import DOORS, Lifeline
+from roah_rsbb.journal.log_dir import Lock, PortRecord, Resume
+from roah_rsbb.journal.store import Journal
+from roah_rsbb.model.clock import Now
 from roah_rsbb.model.zone import RUNNING
+from roah_rsbb.rulebook.benchmarks import Config, Durable
+from roah_rsbb.run_logs.writer import RunLogWriter
 from roah_rsbb.web.pairing import CODE_VALID_S
 
+# Seconds between signs of life, and between looks at what only time changes.
+PERIOD_S = 0.2
+SECOND_S = 1.0
+# After which the loop's thread gets Python's lock from another thread. Usual are 0.005: too long for STOP.
+SWITCH_S = 0.0005
+
+_LEVELS = {Level.INFO: logging.INFO, Level.WARNING: logging.WARNING, Level.ERROR: logging.ERROR}
 # How often it is checked whether the supervisor is there, and whether the file of the door is.
 LOOK_S, DOOR_S = 1.0, 5.0
 UNWATCHED = ("The program that watches this box has ended: after a crash, nothing starts the box again. Between two "
@@ -113,37 +139,82 @@ class BoxProgram:
         self.devices = ControlledDevices(loop, settings, params.log_dir, self._sounds.ring_bell,
                                          launch if bridge.is_there else "")
         settings.done()
-        self.running = RunningBox(
-            loop, params, launch, wait_for_journal(params.log_dir, is_left),
-            Peripherals(self._ring_timeout, self._publish_module_runs, self._set_device, make_peer=make_peer), lifeline)
-        self.web = WebParts(loop, settings, self.running, make_peer, bridge.address)
+        lock = wait_for_journal(params.log_dir, is_left)
+        self._configuration = _configuration(params, launch)
+        self.loop, self._params, self.lifeline = loop, params, lifeline
+        self.uuid = str(uuid.uuid4())
+        """Identity of this start."""
+        self._bugs = OnceASecond()
+        self._look: Callable[[], Sequence[Callable[[], object]]] = lambda: [self.door.publish]
+        self._period_s: Callable[[], float] = lambda: PERIOD_S
+        self._journal_due_mono = 0.0
+        self.game = game = self._new_game(launch, lock, make_peer)
+        self.box, self.event = game.box, game.event
+        self.calls = BoxCalls(self.box, self._call, Disks(
+            game.journal.ticket, game.store.why_not_saved, game.standby.ask, game.why_not_recorded))
+        reload = Reloads(
+            self.box, self._configuration, lambda function: call_in_loop(loop, function), self.event, game.use)
+        self.door = BoxDoor(
+            loop, self.box, self.uuid, params.network.rsbb_host, game.now, lambda: game.run_logs.files, game.unsaved,
+            {**self.calls.named(), "reload": reload.call}, game.fence.check, params.publicity)
+        game.on_changed = self.door.changed
+        self._copies = CopyCalls(self.uuid, game, self.door)
+        self.door.add_calls(self._copies.named())
+        for warning in self._configuration.notices:
+            self.event(self.box.on_notice, warning)
+        self._check_log_dir()
+        for place in params.copies:
+            self.box.copies.expect(game.now(), place)
+        self.web = WebParts(loop, settings, self.door, lifeline, make_peer, bridge.address)
         self._copying = CopyingProcess(lambda: copying)
         self._door_files: List[str] = []
         self.port = 0
         """Of the door."""
         self._tasks: List[asyncio.Task] = []  # a loop does not keep them
-        self.loop, self._params = loop, params
         self._is_supervised = lifeline.has_supervisor if bridge.is_there else bool(launch)
         self.on_exit: Callable[[], object] = lambda: None
         """Called when somebody ends the box through its door."""
 
+    def _new_game(self, launch: str, lock: Optional[Lock], make_peer: MakePeer) -> Game:
+        params = self._params
+        return Game(
+            self.loop, Machine(boot_id(), os.getpid(), self.uuid, time.monotonic, time.time),
+            BoxPlace(params.log_dir, params.network, params.standby_port), self.config, self._configuration.version,
+            params.settings, launch,
+            lambda session, events, on_trouble: Journal(
+                params.log_dir, session, events, params.resume, on_trouble, lock),
+            PortRecord(params.log_dir), functools.partial(RunLogWriter, params.log_dir),
+            Outputs(self._ring_timeout, self._publish_module_runs, self._set_device,
+                    lambda level, text: _log.log(_LEVELS[level], "%s", text), self._report_bug),
+            lambda ticket: self._copies.ask(ticket), make_peer, memory=self.lifeline,
+            inform_standby=lambda stops: self._copies.pass_stops(stops))
+
+    @property
+    def config(self) -> Config:
+        """The configuration in force."""
+        return self._configuration.content.config
+
+    def look(self, look: Callable[[], Sequence[Callable[[], object]]], period_s: Callable[[], float]) -> None:
+        """Set what is done in each look, which includes `BoxDoor.publish`, and how long it is until the next one."""
+        self._look, self._period_s = look, period_s
+
     async def start(self, door_file: str, host: str = LOOPBACK) -> None:
         """Start everything. `door_file`: where this box says how its door is found; empty: there is none. `host`: own
         address of the door."""
-        await self.running.ask()
-        self.running.start()
-        self.devices.start(self.running)
+        await self.game.ask()
+        self._begin()
+        self.devices.start(self.game, self.door)
         if self._modules is not None:
-            self._modules.start(self.running)
+            self._modules.start(self.game)
         self.web.start()
         self.keep(self._watch_supervisor(self._parent) if self._is_supervised else self._keep_copying())
-        self.running.door.add_calls({EXIT: exit_call(
-            self.running.door.publish, self._bridge.exit if self._bridge.is_there else self._end_soon)})
-        self.port = self.running.door.open(host)
+        self.door.add_calls({EXIT: exit_call(
+            self.door.publish, self._bridge.exit if self._bridge.is_there else self._end_soon)})
+        self.port = self.door.open(host)
         self._url = f"ws://{LOOPBACK if host == ANY_HOST else host}:{self.port}/door"
         own = door_file_in(self._params.log_dir)
         self._door_files = [*filter(None, dict.fromkeys((own, door_file)))]
-        self.running.lifeline.keep(DOORS, json.dumps(self._door_files))
+        self.lifeline.keep(DOORS, json.dumps(self._door_files))
         for path in self._door_files:
             problem = self._write_door(path)
             if problem:  # the box has other faces
@@ -151,26 +222,41 @@ class BoxProgram:
         self.keep(self._keep_door())
         self._bridge.begin(self)
 
+    def _begin(self) -> None:
+        """Continue where the box was, and begin to hear robots. Raises OSError whose text names the remedy."""
+        gc.collect()
+        sys.setswitchinterval(SWITCH_S)
+        # From here on, robots are heard, and wait for reactions.
+        self.game.resume(self._configuration.earlier, self._configuration.before)
+        if self.game.open():
+            network = self._params.network
+            _log.info("Listening on UDP %s:%d, private channels above; log in %s",
+                      network.rsbb_host, network.rsbb_port, self._params.log_dir)
+        threading.Thread(target=self.game.check_earlier, name="check of the journal", daemon=True).start()
+        self._tick()
+        # Exclude the present objects from garbage collection: a full collection of them stops the box for about 15 ms.
+        gc.freeze()
+
     def close(self) -> None:
         """End everything. Runs continue with the next start."""
-        self.running.lifeline.end()  # whatever follows, it is no core that hangs
-        running = [zone.zone for zone in self.running.door.document.zones.values() if zone.phase == RUNNING]
-        if running and not self.running.box.is_superseded:
+        self.lifeline.end()  # whatever follows, it is no core that hangs
+        running = [zone.zone for zone in self.door.document.zones.values() if zone.phase == RUNNING]
+        if running and not self.box.is_superseded:
             _log.warning("The box ends during a run in %s: its robot is not stopped, and the run continues when the "
                          "box is started again", ", ".join(running))
         files, self._door_files = self._door_files, []  # none is written any more
         for path in files:
-            if _is_own(path, self.running.door.token):
+            if _is_own(path, self.door.token):
                 os.unlink(path)
         self.web.close()
-        self.running.door.close()
+        self.door.close()
         if self._modules is not None:
             self._modules.close()
         self.devices.close()
         self._sounds.close()
         for task in self._tasks:
             task.cancel()
-        self.running.close()
+        self.game.close()
         if self._port_lock is not None:
             self._port_lock.close()
         self._bridge.close()
@@ -189,7 +275,7 @@ class BoxProgram:
 
     def _write_door(self, path: str) -> str:
         """Say in a file where the door is, unless it is there; returns what is wrong, or nothing."""
-        token = self.running.door.token
+        token = self.door.token
         try:
             if path in self._door_files and not _is_own(path, token):
                 write_place(path, self._url, token)
@@ -201,7 +287,7 @@ class BoxProgram:
         """The disk may have been full at the start: other programs must find the box nevertheless."""
         def write() -> None:
             for number, path in enumerate(self._door_files):
-                is_others = number > 0 and not _is_own(path, self.running.door.token) and is_answering(path)
+                is_others = number > 0 and not _is_own(path, self.door.token) and is_answering(path)
                 if not is_others:
                     self._write_door(path)
 
@@ -220,13 +306,57 @@ class BoxProgram:
         """Warn referees when the process is gone that starts this box again after a crash."""
         while os.getppid() == pid:
             await asyncio.sleep(LOOK_S)
-        self.running.event(self.running.box.on_trouble, UNWATCHED)
+        self.event(self.box.on_trouble, UNWATCHED)
 
     async def _keep_copying(self) -> None:
         """Copy the journal; of a box with a supervisor, that one does."""
         while True:
             self._copying.look()
             await asyncio.sleep(LOOK_S)
+
+    def now(self) -> Now:
+        """The moment of what is published: nothing leaves after a takeover."""
+        self.game.fence.check()
+        return self.game.now()
+
+    def _call(self, method: Callable[..., object], *arguments: object) -> None:
+        try:
+            self.event(method, *arguments)
+        finally:
+            self.door.called()
+
+    def _report_bug(self, text: str) -> None:
+        self._bugs.count()
+        if self._bugs.take(self.loop.time()):
+            _log.exception("internal error, please report it: %s", text)
+
+    def _check_log_dir(self) -> None:
+        problem, log_dir = self.game.run_logs.check(), self._params.log_dir
+        if problem:
+            self.event(self.box.on_trouble, problem)
+        elif os.stat(log_dir).st_mode & stat.S_IRWXO:
+            _log.warning("%s: other users of this computer can read log_dir; remedy: chmod -R o= %s",
+                         log_dir, shlex.quote(log_dir))
+
+    def _tick(self) -> None:
+        now_mono, period_s = on_grid(self.loop.time()), self._period_s()
+        self.loop.call_at(now_mono + period_s, self._tick)
+        self.event(self.box.tick_if_due)
+        self.lifeline.send()
+        todo: List[Callable[[], object]] = [*self._look()]
+        if now_mono > self._journal_due_mono - period_s / 2:
+            self._journal_due_mono = now_mono + SECOND_S
+            todo.append(self.game.each_second)
+        self._do_in_turn(todo)
+
+    def _do_in_turn(self, todo: List[Callable[[], object]]) -> None:
+        """Do one thing, and the others in later turns of the loop, so that no datagram waits for all of them."""
+        self.game.fence.check()
+        try:
+            todo[0]()
+        finally:
+            if todo[1:]:
+                self.loop.call_soon(self._do_in_turn, todo[1:])
 
     def ring_bell(self) -> None:
         """Play the sound of the bell."""
@@ -244,6 +374,18 @@ class BoxProgram:
     def _set_device(self, wish: SetDevice) -> None:
         if self.devices.home is not None or not self._bridge.set_device(wish):
             self.devices.set(wish)
+
+
+def _configuration(params: BoxParameters, launch: str) -> Configuration:
+    """Read the configuration. Raises `ConfigErrors` or `BadParams`."""
+    found = Configuration(params.log_dir, "" if params.resume is Resume.NEVER else launch, params.files,
+                          params.standings_file)
+    loaded = found.content.config
+    if loaded.durable is Durable.TWO and not params.standby_port:
+        raise BadParams(NO_PORT.format(place=loaded.durable_at))
+    for warning in found.warnings:
+        _log.warning("%s", warning)
+    return found
 
 
 def _print(text: str) -> None:

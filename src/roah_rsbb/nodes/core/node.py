@@ -112,12 +112,12 @@ class RosBridge(Bridge):
         for wish in self._wishes.values():
             self.set_device(wish)
         if self._is_warned:
-            program.running.event(program.running.box.on_repaired, NO_MASTER, MASTER_ANSWERS)
+            program.event(program.box.on_repaired, NO_MASTER, MASTER_ANSWERS)
 
     def _warn(self, program: BoxProgram) -> None:
         if self._ros is None:
             self._is_warned = True
-            program.running.event(program.running.box.on_trouble, NO_MASTER)
+            program.event(program.box.on_trouble, NO_MASTER)
 
 
 def _exit() -> None:

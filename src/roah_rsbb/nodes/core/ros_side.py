@@ -13,8 +13,7 @@ import rospy
 from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 
-from roah_rsbb.box.program.program import BoxProgram
-from roah_rsbb.box.running import PERIOD_S, RunningBox
+from roah_rsbb.box.program.program import PERIOD_S, BoxProgram
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.modules import MAX_NODES
 from roah_rsbb.ground.loop import call_in_loop
@@ -78,21 +77,21 @@ class RosSide:
     """Topics and services. Make it in a thread after `join`; call everything else in the loop's thread."""
 
     def __init__(self, program: BoxProgram) -> None:
-        loop, running, devices = program.loop, program.running, program.devices
+        loop, devices = program.loop, program.devices
         self._ros = ros = RosLoop(loop)
-        self._program, self._running = program, running
+        self._program = program
         self._public_due = 0.0  # monotonic (s)
         self._timeout = rospy.Publisher("/timeout", Empty, queue_size=1)
         self._listeners_until = loop.time() + LISTENERS_S
-        self.others = OtherNodes(ros, running, devices.home is not None, program.ring_bell)
-        self._topics = OriginalTopics(ros, running.box, running.now, running.door.publish)
-        self._services = call_in_loop(loop, lambda: LoopServices(loop, running.core.fence.check))
-        CoreServices(running.box, self._services, running.calls)
+        self.others = OtherNodes(ros, program, devices.home is not None)
+        self._topics = OriginalTopics(ros, program.box, program.now, program.door.publish)
+        self._services = call_in_loop(loop, lambda: LoopServices(loop, program.game.fence.check))
+        CoreServices(program.box, self._services, program.calls)
         self._devices = None if devices.home is None else DevicesInRos(self._services, devices, devices.home)
 
     def use(self) -> None:
         """Begin to publish."""
-        self._running.look(self._look, lambda: GUI_PERIOD_S if self._topics.are_wanted else PERIOD_S)
+        self._program.look(self._look, lambda: GUI_PERIOD_S if self._topics.are_wanted else PERIOD_S)
         self.others.publish_module_runs()
         if self._devices is not None:
             self._devices.use()
@@ -100,13 +99,13 @@ class RosSide:
 
     def publish_places(self, place: List[str]) -> None:
         """Say at the master where the door is, and the pages when they are served."""
-        publish_door(NodePlace(*place), self._program.port, self._program.running.door.token)
+        publish_door(NodePlace(*place), self._program.port, self._program.door.token)
         for name, url in (("url", self._program.web.url), ("tablet_url", self._program.web.tablet_url)):
             publish_param(f"{PAGES}/{name}", url.result)
 
     def publish_timeout(self) -> None:
         """A run timed out, maybe while the core was down: shortly after the start, wait for the first one to listen."""
-        self._running.core.fence.check()
+        self._program.game.fence.check()
         loop = self._ros.loop
         if self._timeout.get_num_connections() > 0 or loop.time() > self._listeners_until:
             publish(self._timeout, Empty())
@@ -160,10 +159,9 @@ def end_launch() -> None:
 class OtherNodes:
     """The topics of the other nodes. What they say becomes events of the box."""
 
-    def __init__(self, ros: RosLoop, running: RunningBox, has_devices: bool, on_bell: Callable[[], object]) -> None:
-        """`has_devices`: this box controls the home devices. `on_bell` is called in a thread of rospy when the bell of
-        another node rings."""
-        self._ros, self._running, self._box, self._event = ros, running, running.box, running.event
+    def __init__(self, ros: RosLoop, program: BoxProgram, has_devices: bool) -> None:
+        """`has_devices`: this box controls the home devices."""
+        self._ros, self._program, self._box, self._event = ros, program, program.box, program.event
         self._devices: Optional[DeviceCalls] = None
         self._modules = Newest(ros.post, self._take_modules, MAX_NODES)
         self._module_runs = rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True)
@@ -171,7 +169,7 @@ class OtherNodes:
         if not has_devices:
             self._devices = DeviceCalls(self._on_device_refused)
             rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
-            rospy.Subscriber("/devices/bell", Empty, lambda _: on_bell(), queue_size=10)
+            rospy.Subscriber("/devices/bell", Empty, lambda _: program.ring_bell(), queue_size=10)
             rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
 
     def set_device(self, wish: SetDevice) -> None:
@@ -181,8 +179,8 @@ class OtherNodes:
 
     def publish_module_runs(self) -> None:
         """Publish the runs that have a benchmarking module."""
-        self._running.core.fence.check()
-        publish(self._module_runs, convert.runs_message(self._running.uuid, self._box.modules.runs()))
+        self._program.game.fence.check()
+        publish(self._module_runs, convert.runs_message(self._program.uuid, self._box.modules.runs()))
 
     def _on_devices(self, message: DevicesState) -> None:
         devices = devices_of(message)

@@ -39,7 +39,7 @@ class Demonstration:
         self.air = MemoryAir()
         self.program = box_program(log_dir, self.air, **changes)
         self._changed = News()
-        running = self.program.running
+        running = self.program
         loop = asyncio.get_event_loop()
         self.client = InProcessClient(running.door, loop, loop, self._changed.set, "referee")
         self.door_file = os.path.join(str(log_dir), "door.json")
@@ -294,7 +294,7 @@ def test_other_programs_find_a_box_that_could_not_write_at_its_start(tmp_path, m
                 place.rmdir()
             while not all(place.exists() for place in places):
                 await asyncio.sleep(0.01)
-            return {read_place(str(place)).token for place in places} == {demo.program.running.door.token}
+            return {read_place(str(place)).token for place in places} == {demo.program.door.token}
     assert asyncio.run(play())
     assert not any(place.exists() for place in places), "it is over"
 
