@@ -242,10 +242,10 @@ class Reloads:
 
     def __init__(
         self, box: Box, configuration: Configuration, in_loop: Callable[[Callable[[], Any]], Any],
-        event: Callable[..., None], use: Callable[[Content, int], None],
+        event: Callable[..., None], use: Callable[[Config, int], None],
     ) -> None:
         """`in_loop` calls a function in the loop's thread and returns its result. `use` prepares everything outside the
-        box for a content and its version, in the loop's thread."""
+        box for a configuration and its version, in the loop's thread."""
         self._box = box
         self._configuration = configuration
         self._in_loop = in_loop
@@ -298,7 +298,7 @@ class Reloads:
             return [f"the configuration cannot be kept in log_dir: {error.strerror}. Free or repair the disk"]
 
         def act() -> None:
-            self._use(content, version)
+            self._use(content.config, version)
             self._event(self._box.reload, content.config, version, changes, who)
             self._configuration.content = content
 

@@ -69,7 +69,7 @@ class NetworkDriver:
     def report(
         self, now: Now, port: int, host: str, report: RobotReport, received_utc: Optional[float],
     ) -> Optional[BoxMessage]:
-        """See `CoreDriver.report`."""
+        """See `Game.report`."""
         message = None
         try:
             message = self.box.on_robot_report(now, port, host, report, received_utc)
