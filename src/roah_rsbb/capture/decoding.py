@@ -28,7 +28,6 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 # `time` is UTC in seconds since 1970, by the listener's clock; `hex` is the complete UDP payload. Encrypted datagrams
 # stay encrypted: a recording contains no passwords, and reading it requires the teams' passwords.
 
-
 FORMAT = "roah_rsbb_capture"
 VERSION = 1
 
@@ -113,8 +112,8 @@ def _parse(line: str) -> Any:
 def _is_port(value: Any) -> bool:
     return isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= _MAX_PORT
 
-# -- decoding -----------------------------------------------------------------------------------------
 
+# -- decoding -----------------------------------------------------------------------------------------
 
 PRIVATE_PORTS = 99
 """This many ports above the public one count as private channels, also before a beacon lists them."""

@@ -41,7 +41,6 @@ from roah_rsbb.wording.texts import escaped
 
 # -- what is shown ------------------------------------------------------------------------------------
 
-
 def fields_of(message: Message) -> Dict[str, Any]:
     """The fields that a message contains: numbers, bools, texts, names of enum values, lists, and messages as dicts."""
     return {field.name: _field_value(field, value) for field, value in message.ListFields()}
@@ -241,8 +240,8 @@ def _strict(value: Any) -> Any:
         return str(value)
     return value
 
-# -- the program --------------------------------------------------------------------------------------
 
+# -- the program --------------------------------------------------------------------------------------
 
 PROGRAM = called("capture")
 MESSAGES = tuple(kind.DESCRIPTOR.name for kind in PUBLIC_TYPES + PRIVATE_TYPES)

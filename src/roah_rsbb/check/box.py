@@ -123,8 +123,8 @@ class BadPeer:
         self._network.treat(self._network.out, lambda: self._peer.send(datagram, host))
         return True
 
-# -- the box ------------------------------------------------------------------------------------------
 
+# -- the box ------------------------------------------------------------------------------------------
 
 # The check judges clocks itself, so no skew may keep the box from starting a run.
 ANY_SKEW_S = 1e12

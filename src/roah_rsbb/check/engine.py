@@ -17,7 +17,6 @@ from roah_rsbb.rulebook.registry import DEVICES, PROFILES, ResultForm, profile_o
 
 # -- what is watched in every scenario ----------------------------------------------------------------
 
-
 # Several reports, and this share of all, must be old: a network may deliver a few out of order.
 STALE, STALE_SHARE = 5, 0.2
 # The box stops a run without saved messages after this many seconds of EXECUTING.
@@ -195,8 +194,8 @@ def _commands(report: RobotReport) -> List[str]:
     names = ("switch_1", "switch_2", "switch_3", "dimmer", "blinds", "display_map")
     return [f"{name} {getattr(report, name)}" for name in names if getattr(report, name) is not None]
 
-# -- the engine ---------------------------------------------------------------------------------------
 
+# -- the engine ---------------------------------------------------------------------------------------
 
 # If the check itself was stopped for longer than this (s) during a scenario, it does not judge the robot's times in it.
 BUSY_S = 0.3

@@ -23,7 +23,6 @@ from roah_rsbb.rulebook.registry import PROFILES, GoalForm, profile_of
 
 # -- stalls of the check itself -----------------------------------------------------------------------
 
-
 PERIOD_S = 0.05
 # Timers are never exact.
 USUAL_S = 0.02
@@ -71,8 +70,8 @@ class Stalls:
             self._found.append((now, now - due))
         self._timer = self._loop.call_at(now + PERIOD_S, self._tick, now + PERIOD_S)
 
-# -- the play -----------------------------------------------------------------------------------------
 
+# -- the play -----------------------------------------------------------------------------------------
 
 # Seconds. A robot repeats each state in a burst and then each second, so these allow two lost datagrams.
 ANSWER_S = 5.0  # the first message on a private channel, after a beacon that lists the robot

@@ -188,8 +188,8 @@ class ScenarioResult:
         order = list(Verdict)
         return max((finding.verdict for finding in self.findings), key=order.index, default=Verdict.PASSED)
 
-# -- reports ------------------------------------------------------------------------------------------
 
+# -- reports ------------------------------------------------------------------------------------------
 
 # Increased when a field changes its meaning.
 FORMAT = 1

@@ -22,7 +22,6 @@ from roah_rsbb.wording import times
 
 # -- what a scenario is -------------------------------------------------------------------------------
 
-
 class Depth(enum.Enum):
     """How thorough a check is."""
 
@@ -41,8 +40,8 @@ class Scenario(NamedTuple):
     needs_robot: bool = True  # skip it if the robot was not found
     bad_network: bool = False  # the scenario makes the network bad, so times and losses are not judged
 
-# -- the basic level ----------------------------------------------------------------------------------
 
+# -- the basic level ----------------------------------------------------------------------------------
 
 BEACONS_S = 4.5
 LONGEST_GAP_S, SHORTEST_PERIOD_S = 3.0, 0.3
@@ -139,8 +138,8 @@ async def stop_executing(play: Play, code: str) -> None:
     await play.complete()
     await play.leave()
 
-# -- goals --------------------------------------------------------------------------------------------
 
+# -- goals --------------------------------------------------------------------------------------------
 
 # A goal ends this long after the robot began to execute it.
 INTO_EXECUTING_S = 0.5
@@ -221,8 +220,8 @@ async def unknown_code(play: Play, code: str) -> None:
         await play.stop("in an unknown benchmark")
     await play.leave()
 
-# -- boxes --------------------------------------------------------------------------------------------
 
+# -- boxes --------------------------------------------------------------------------------------------
 
 SHORT_S, LONG_S = 3.0, 30.0
 # The robot hears nothing for less than 3 s, after which a box warns the referee.
@@ -360,8 +359,8 @@ async def other_box(play: Play, code: str) -> None:
               "the robot left its channel, and opened it again. A second box on the network would disturb its runs")
     raise GaveUp
 
-# -- datagrams ----------------------------------------------------------------------------------------
 
+# -- datagrams ----------------------------------------------------------------------------------------
 
 BURST_S, BURST_PERIOD_S = 2.0, 0.05
 ALIVE_S = 4.0

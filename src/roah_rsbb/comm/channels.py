@@ -23,7 +23,6 @@ from roah_rsbb.comm.sockets import ANY_HOST
 # forgets one of the last `bits // BITS_PER_ENTRY` ciphertexts. It mistakes some new ones for a copy, at most about one
 # in 1,000, and that datagram counts as lost. Two filters take turns, so that neither fills up.
 
-
 # Bits for each ciphertext in a full filter, which then mistakes one in 2,000 new ciphertexts for a copy.
 BITS_PER_ENTRY = 32
 
@@ -71,8 +70,8 @@ def _words(bits: int) -> memoryview:
     # The system gives each page of it when a bit there is set first. A bytearray would write all of them at once.
     return memoryview(mmap.mmap(-1, bits // 8)).cast("Q")
 
-# -- channels -----------------------------------------------------------------------------------------
 
+# -- channels -----------------------------------------------------------------------------------------
 
 OnDatagram = Callable[[bytes, Address], None]
 OnMessage = Callable[[Any, Address], None]

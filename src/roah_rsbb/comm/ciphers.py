@@ -154,8 +154,8 @@ def _check_iv(cipher: Cipher, iv: bytes) -> None:
     if len(iv) != cipher.iv_size:
         raise ValueError(f"{cipher.label} needs an IV of {cipher.iv_size} bytes, not {len(iv)}")
 
-# -- a team's own password, for programs of the team --------------------------------------------------
 
+# -- a team's own password, for programs of the team --------------------------------------------------
 
 PASSWORD_VARIABLE = "ROAH_RSBB_KEY"
 """The environment variable that holds a team's password."""

@@ -21,7 +21,6 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 # truncates the message with a warning; nested groups exhaust Python's stack. This check rejects all such input in the
 # same way and at bounded cost.
 
-
 _VARINT, _FIXED_64, _LENGTH, _FIXED_32 = 0, 1, 2, 5
 _MAX_VARINT_BYTES = 10
 _MAX_TAG = 2**32 - 1
@@ -128,8 +127,8 @@ def varint(protobuf: bytes, position: int) -> Tuple[int, int]:
         shift += 7
     raise Malformed(f"it has a number of more than {_MAX_VARINT_BYTES} bytes")
 
-# -- frames -------------------------------------------------------------------------------------------
 
+# -- frames -------------------------------------------------------------------------------------------
 
 VERSION = 2
 _HEADER = struct.Struct(">BB2xI")  # version, cipher, reserved, payload size

@@ -220,8 +220,8 @@ class Peer:
             self._own_host = sockets.source_host(self.rsbb_host) or self._own_host
         return self._own_host
 
-# -- a network in memory ------------------------------------------------------------------------------
 
+# -- a network in memory ------------------------------------------------------------------------------
 
 DELAY_S = 0.001
 

@@ -31,7 +31,6 @@ from roah_rsbb.model.reason import say
 
 # -- what every copy can do ---------------------------------------------------------------------------
 
-
 # What a restart needs besides the journal. The last file has the hashes of the keys of paired browsers.
 SESSIONS = "web_sessions.json"
 FILES = (log_dirs.PORTS, log_dirs.CONFIGURATION, SESSIONS)
@@ -186,7 +185,6 @@ def identity_in(head: bytes) -> str:
 
 
 # -- a folder -----------------------------------------------------------------------------------------
-
 
 _NOT_SYNCED = say("its disk failed to save what was written. It is written again, and what was there before stays "
                   "until that is complete. If this happens again, replace the disk")

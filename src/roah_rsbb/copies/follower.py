@@ -103,7 +103,6 @@ class JournalSegments:
 
 # -- following it -------------------------------------------------------------------------------------
 
-
 # Time between two looks at the journal.
 PERIOD_S = 0.05
 # Failed attempts are repeated after this time.
@@ -232,8 +231,8 @@ class Follower:
     def _missing_bytes(self) -> int:
         return sum(max(0, size - self._sizes.get(name, 0)) for name, size in self._present.items())
 
-# -- what is reported ---------------------------------------------------------------------------------
 
+# -- what is reported ---------------------------------------------------------------------------------
 
 _log = logging.getLogger(__name__)
 

@@ -33,7 +33,6 @@ from roah_rsbb.model.reason import Refused, say
 
 # -- the connection -----------------------------------------------------------------------------------
 
-
 RETRY_S = 0.2
 # A controller that is started at the same time, such as the dummy, may not be there yet: this is no fault.
 STARTS_S = 3.0
@@ -157,8 +156,8 @@ def _enable_keepalive(writer: asyncio.StreamWriter) -> None:
 def _reason(error: OSError) -> str:
     return os.strerror(error.errno) if error.errno else str(error)
 
-# -- the devices of a program -------------------------------------------------------------------------
 
+# -- the devices of a program -------------------------------------------------------------------------
 
 # In log_dir.
 FILE = "devices.json"

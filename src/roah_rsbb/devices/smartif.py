@@ -160,10 +160,10 @@ class SmartIfDecoder:
             raise Garbage(f"a message that begins with {first!r}: expected {known}")
         return parse(reader)
 
+
 # -- the devices of a home ----------------------------------------------------------------------------
 
 # The state of the hardware cannot be read. The values here are authoritative, and are sent again after each connection.
-
 
 BELL_ID = "47"
 RING = DeviceEvent("E", BELL_ID, "1")

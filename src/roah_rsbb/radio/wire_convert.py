@@ -102,8 +102,8 @@ def time_of(message: pb.Time) -> WireTime:
 def _set_time(field: pb.Time, time: WireTime) -> None:
     field.sec, field.nsec = time
 
-# -- a robot's messages on its private channel --------------------------------------------------------
 
+# -- a robot's messages on its private channel --------------------------------------------------------
 
 # Bytes. Robots send at most twenty messages a second, of at most 1 kB each.
 BYTES_AT_ONCE = 80_000

@@ -217,8 +217,8 @@ class RobotProgress:
         self._reported = (received, problem.name)
         return [fx.ProblemIs(problem, text)]
 
-# -- the messages that simulate the box in tests of a robot (`Session.override`) ----------------------
 
+# -- the messages that simulate the box in tests of a robot (`Session.override`) ----------------------
 
 def override_message(
     number: int, state: int, acknowledgement: WireTime, initial_state: Iterable[bool], switches: Iterable[int]

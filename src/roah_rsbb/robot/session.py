@@ -21,7 +21,6 @@ from roah_rsbb.robot.machine import IllegalEvent, RobotProgress
 
 # -- what a robot monitors besides its run ------------------------------------------------------------
 
-
 # A box that is started together with the robot loads its files and listens first. Until then, its silence is no fault.
 BOX_STARTS_S = 15.0
 
@@ -133,8 +132,8 @@ class HomeWatch:
 def _wire_time(time: pb.Time) -> Tuple[int, int]:
     return time.sec, time.nsec
 
-# -- the session --------------------------------------------------------------------------------------
 
+# -- the session --------------------------------------------------------------------------------------
 
 BEACON_PERIOD_S = 1.0
 

@@ -21,7 +21,6 @@ from roah_rsbb.model.clock import Now
 # the box: a step of its UTC must not end a run. Otherwise they continue by UTC. Without the Internet, the clocks of two
 # computers can differ by seconds, which would be added to each run.
 
-
 CLOCK_FILE = "clock.json"
 # Messages of some seconds. The one that took the shortest time to arrive shows the difference best.
 SAMPLES = 20
@@ -77,11 +76,11 @@ def ahead_of(folder: str, boot: str, own_boot: str) -> Ahead:
     except (OSError, ValueError, KeyError, TypeError):
         return NOT_MEASURED
 
+
 # -- STOPs that the box has sent ----------------------------------------------------------------------
 
 # They are kept in a file beside the copy. The box that takes over reads it before it sends anything. It ignores those
 # that its journal has, and those that are empty: their runs were started again.
-
 
 STOPS_FILE = "stops.json"
 # The newest ones, and the characters of each: JSON has up to 6 for each character of who stopped, and why.
@@ -123,11 +122,11 @@ def add_stops(folder: str, stops: Mapping[str, str]) -> None:
     if found != before:
         durable.write_file(os.path.join(folder, STOPS_FILE), json.dumps(found).encode("ascii"))
 
+
 # -- the folder of the benchmarking modules -----------------------------------------------------------
 
 # They are read once a second, and the file is written again when they have changed. It is one of the files that are
 # copied beside the journal.
-
 
 # In all. A competition's rules and parameters have some ten kB; a folder with more is another one by mistake.
 MAX_BYTES = 10_000_000

@@ -313,10 +313,10 @@ class _Strangers:
 def _plain(name: str) -> str:
     return "".join(sign for sign in name if sign.isprintable())[:MAX_NAME].strip()
 
+
 # -- words over TCP -----------------------------------------------------------------------------------
 
 # It runs in the process that makes the copy. It passes what it hears on to the core of this computer, which decides.
-
 
 PERIOD_S = 1.0
 

@@ -29,7 +29,6 @@ from roah_rsbb.journal import log
 # A message of the box is a request. The standby answers all of them in their order. Requests can be repeated: what is
 # missing is computed from what the standby says it has.
 
-
 LENGTH = struct.Struct(">I")
 # A part of the journal, or a file beside it. Before a standby is known, messages are small.
 MAX_BYTES = 50_000_000
@@ -112,8 +111,8 @@ def files_of(message: object) -> FileContent:
         raise BadMessage("files without contents")
     return message
 
-# -- the connection -----------------------------------------------------------------------------------
 
+# -- the connection -----------------------------------------------------------------------------------
 
 # An end that is silent for this long is lost. A stick or disk of the standby may be slow.
 TIMEOUT_S = 5.0

@@ -138,8 +138,8 @@ class BoxSilence:
         """Whether the box has been silent for that long, after it was heard at least once."""
         return self._heard is not None and now - self._heard >= seconds
 
-# -- words as datagrams, which only the two ends can make ---------------------------------------------
 
+# -- words as datagrams, which only the two ends can make ---------------------------------------------
 
 MAX_BYTES = 1024
 _MAX_NUMBER = 1 << 53

@@ -24,7 +24,6 @@ from roah_rsbb.standby.pair import Side, hashed, is_same, pair_name
 
 # -- proofs -------------------------------------------------------------------------------------------
 
-
 NONCE_BYTES = KEY_BYTES = 32
 BOX, STANDBY = b"box", b"standby"
 
@@ -47,11 +46,11 @@ def plain_code(typed: str) -> str:
     """Return a code without what does not count."""
     return "".join(sign for sign in typed.upper() if sign.isalnum())
 
+
 # -- the files that say who belongs together ----------------------------------------------------------
 
 # `standby/paired.json` in the log_dir of a box names its standby. `box.json` in the folder of a standby names its box.
 # The folder of a standby that took over has both: it is the log_dir of the present box.
-
 
 FOLDER, PAIRED, BOX_FILE = "standby", "paired.json", "box.json"
 
@@ -157,12 +156,12 @@ def partners_of(log_dir: str) -> Dict[str, Partner]:
         found.append(Partner(Side.STANDBY, hashed(box.key), box.host, box.port))
     return {pair_name(partner.secret): partner for partner in found}
 
+
 # -- the code -----------------------------------------------------------------------------------------
 
 # `standby code` writes it, and the program that copies the journal reads it. It is in no log, topic or parameter,
 # because other users of the computer can read those. A code is valid for some minutes, for one standby, and for a few
 # guesses.
-
 
 CODE_FILE = "code.json"
 VALID_S = 600.0

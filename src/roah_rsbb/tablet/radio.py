@@ -12,7 +12,6 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 # The box acknowledges a touch by repeating its time in the beacon. While the box is silent, touches are refused: a call
 # must not reach a robot minutes later.
 
-
 # Seconds and nanoseconds since 1970, UTC, as in the message `Time`.
 WireTime = Tuple[int, int]
 NEVER: WireTime = (0, 0)
@@ -75,8 +74,8 @@ class ShownTablet:
         return (self._box is not None and self.position_time != NEVER
                 and self._box.position_time == self.position_time)
 
-# -- the public channel -------------------------------------------------------------------------------
 
+# -- the public channel -------------------------------------------------------------------------------
 
 class TabletRadio:
     """Sends the state of a tablet while it is `present`: every second, and immediately after changes.

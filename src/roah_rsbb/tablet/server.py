@@ -37,7 +37,6 @@ from roah_rsbb.web.serving import (
 # A page sends `{"do": "here"}` every two seconds, `{"do": "call"}`, or `{"do": "place", "u": 0.25, "v": 0.5}` (a point
 # of the map's image, see `maps`). It receives the complete state every second and after every change.
 
-
 HERE, CALL, PLACE = "here", "call", "place"
 
 # The box acknowledges a touch within milliseconds; after this time pages show that it did not.
@@ -140,8 +139,8 @@ def _milliseconds(time) -> int:
     """A time for a browser's Date; 0 means never."""
     return time[0] * 1000 + time[1] // 1_000_000
 
-# -- the server ---------------------------------------------------------------------------------------
 
+# -- the server ---------------------------------------------------------------------------------------
 
 # No venue has more tablets.
 MAX_PAGES = 32
@@ -311,11 +310,11 @@ class MapHandler(Guarded):
         self.set_header("Cache-Control", "no-cache")
         self.write(self._plan.png)
 
+
 # -- what the program makes ---------------------------------------------------------------------------
 
 # It works with missing parts: without a network or a free port it retries, and without a map it offers only the call
 # button.
-
 
 _log = logging.getLogger(__name__)
 

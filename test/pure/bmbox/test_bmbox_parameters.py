@@ -101,8 +101,8 @@ def test_a_file_without_required_parameters_may_be_missing(tmp_path):
     found = read_parameters(str(tmp_path / "X.yaml"), "X", fields)
     assert (found.goal_timeout, found.wait) == (None, 8.0)
 
-# -- the shipped parameters of the benchmarks with ground truth, and what is refused in them ----------
 
+# -- the shipped parameters of the benchmarks with ground truth, and what is refused in them ----------
 
 MODULES = SHIPPED / "modules"
 

@@ -79,8 +79,8 @@ def test_a_value_of_another_kind_says_why(text, kind, reason):
         read_record(text, {"n": kind})
     assert reason in str(raised.value)
 
-# -- a module's score: declared, typed, sent ----------------------------------------------------------
 
+# -- a module's score: declared, typed, sent ----------------------------------------------------------
 
 def score():
     return Score({"reached": Value("Reached"), "error": Value("Error", "m")}, {"time": Value("Time", "s")})

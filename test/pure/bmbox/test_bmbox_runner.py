@@ -161,7 +161,6 @@ def test_each_attempt_draws_again_and_a_restart_draws_the_same():
 
 # -- restarts -----------------------------------------------------------------------------------------
 
-
 def acts(r):
     def goal():
         r.executes(2.0)
@@ -261,7 +260,6 @@ def test_changed_goals_of_the_same_name_are_named_with_their_places():
 
 # -- watching -----------------------------------------------------------------------------------------
 
-
 def test_a_watch_looks_only_while_the_robot_executes():
     r = story()
     r.runner.tick(r.utc)
@@ -289,7 +287,6 @@ def test_a_clock_that_is_set_back_does_not_stop_the_watch():
 
 
 # -- what goes wrong ------------------------------------------------------------------------------------
-
 
 class Faulty(Module):
     CODE = "F"

@@ -60,8 +60,8 @@ def test_a_file_that_is_wrong_is_reported_and_left_out(folder, text, reason):
     with pytest.raises((SyntaxError, ImportError, RuntimeError, ValueError)):
         rule_files.modules()
 
-# -- rules in a competition's folder: loaded by their name, with file and line of what is wrong -------
 
+# -- rules in a competition's folder: loaded by their name, with file and line of what is wrong -------
 
 GOOD = """\
 import dataclasses
@@ -189,8 +189,8 @@ def test_rules_without_required_parameters_need_no_parameters_file(write, tmp_pa
     assert vars(driven.parameters()) == {}
     assert not os.path.exists(str(tmp_path / "FetchMug.yaml"))
 
-# -- files that are repaired while they are in use ----------------------------------------------------
 
+# -- files that are repaired while they are in use ----------------------------------------------------
 
 class Reader:
     """Reads a file whose content must be a number."""

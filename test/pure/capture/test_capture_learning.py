@@ -141,7 +141,6 @@ def test_decrypted_bytes_that_are_not_a_message_are_an_error_also_with_the_passw
 
 # -- the filter -------------------------------------------------------------------------------------
 
-
 def passed(chosen, *datagrams):
     """Which of the datagrams a filter passes."""
     decoder = Decoder(PORT, {"Team": PASSWORD})

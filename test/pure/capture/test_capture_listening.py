@@ -134,8 +134,8 @@ def test_with_roots_rights_every_datagram_of_the_channels_is_heard_once(raw):
     assert [entry.datagram.dst for entry in entries] == [BOX, BROADCAST, BROADCAST, ROBOT]
     assert [entry.datagram.dport for entry in entries] == [port, port, port, private_port]
 
-# -- what the tables of a Linux machine say of its network --------------------------------------------
 
+# -- what the tables of a Linux machine say of its network --------------------------------------------
 
 def hexadecimal(address):
     """An address as this machine's kernel writes it."""
@@ -220,8 +220,8 @@ def test_only_a_broadcast_address_is_listened_to():
     with pytest.raises(OpenError, match=r"127\.0\.0\.1 is not a broadcast address of this machine: give the one"):
         listening.broadcast_address("127.0.0.1")
 
-# -- uDP datagrams in IPv4 packets, and in whatever else a network brings -----------------------------
 
+# -- uDP datagrams in IPv4 packets, and in whatever else a network brings -----------------------------
 
 SRC, DST, TIME = "10.0.0.2", "10.0.0.255", 1700000000.5
 DATA = bytes(range(40))

@@ -253,8 +253,8 @@ def test_the_help_says_where_states_of_a_run_can_be_heard(capsys):
         main(["--help"])
     assert "private_mode:=broadcast" in capsys.readouterr().out
 
-# -- recordings: whole runs of the original box and robots, and damaged files ----------------------------
 
+# -- recordings: whole runs of the original box and robots, and damaged files ----------------------------
 
 BEGIN = 1700000000.0
 

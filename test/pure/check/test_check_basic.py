@@ -166,8 +166,8 @@ def test_levels_and_names_of_scenarios():
 def test_the_simulation_begins_at_its_own_time(monkeypatch):
     assert abs(Checked(monkeypatch, names=["clock"]).play.box.now().utc - UTC0) < 10.0
 
-# -- each fault of a robot is found, and its cause is named right -------------------------------------
 
+# -- each fault of a robot is found, and its cause is named right -------------------------------------
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name.replace(" ", "-"))
 def test_a_fault_is_found_and_named(monkeypatch, fault):

@@ -49,7 +49,6 @@ def private(loop, port, inbox, opened):
 
 # -- public ---------------------------------------------------------------------------------------------
 
-
 def test_a_broadcast_reaches_all_but_its_sender(public, port):
     box, robot, rival = public(BOX), public(ROBOT), public(RIVAL)
     assert robot.send(ROBOT_BEACON)
@@ -123,7 +122,6 @@ def test_address_and_port_are_shown(public, port):
 
 
 # -- private --------------------------------------------------------------------------------------------
-
 
 def test_box_and_robot_by_unicast(private, port):
     box, robot, rival = private(BOX), private(ROBOT, remote=BOX), private(RIVAL, remote=BOX)
@@ -202,8 +200,8 @@ def test_a_state_over_the_limit_is_not_sent(private):
     assert robot.send(state) is False
     assert "raise max_datagram" in robot.reported[0]
 
-# -- ciphertexts that were taken before are known, and new ones are not -------------------------------
 
+# -- ciphertexts that were taken before are known, and new ones are not -------------------------------
 
 def test_what_was_added_is_known_and_nothing_else():
     seen = Seen(2**16)

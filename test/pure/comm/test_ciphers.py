@@ -135,8 +135,8 @@ def test_refuses_incomplete_blocks_and_continues(size):
         key.decrypt(Cipher.AES_128_CBC, bytes(16), bytes(size))
     assert key.decrypt(Cipher.AES_128_CBC, sent[:16], sent[16:]) == b"before"
 
-# -- a team's own password: from the argument, a file or the environment ------------------------------
 
+# -- a team's own password: from the argument, a file or the environment ------------------------------
 
 def test_ones_own_password(tmp_path, monkeypatch):
     monkeypatch.delenv("ROAH_RSBB_KEY", raising=False)

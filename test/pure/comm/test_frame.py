@@ -283,8 +283,8 @@ def test_a_robots_message_has_room_for_a_datagram_of_strings_and_not_for_many_mo
     bad = refused(frame.encode(state, Cipher.AES_128_CBC, KEY), "private")
     assert (bad.reason, bad.detail) == (FrameFault.MALFORMED, "RobotState: it has more than 400 fields")
 
-# -- encoding: the original's bytes, given its initialisation vector ----------------------------------
 
+# -- encoding: the original's bytes, given its initialisation vector ----------------------------------
 
 ALL_FRAMES = golden.load("frames")
 ROBOT_BEACON = pb.RobotBeacon(team_name="a", robot_name="b", time=pb.Time(sec=1, nsec=2))

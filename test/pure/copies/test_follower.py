@@ -273,7 +273,6 @@ def test_a_restarted_process_adds_only_what_is_missing(copied, parts):
 
 # -- other journals -------------------------------------------------------------------------------------
 
-
 def test_a_copy_of_another_journal_is_kept_aside(copied, tmp_path):
     other = Writer(tmp_path / "other")
     other.entry("/notification", "of another competition")
@@ -445,7 +444,6 @@ def test_the_thread_copies(copied, monkeypatch):
 
 # -- full disks and power failures ----------------------------------------------------------------------
 
-
 def test_a_full_stick_is_reported_and_catches_up(copied, monkeypatch):
     assert copied.step()
     write = log.Files.write
@@ -525,7 +523,6 @@ def test_what_may_be_torn_in_a_copy_that_does_not_say_so_yet(copied):
 
 
 # -- a failed fsync -------------------------------------------------------------------------------------
-
 
 def failing_sync(monkeypatch, name, error=errno.EIO):
     """Let the next fsync of a file or folder with this name fail. What was written is in memory."""
@@ -684,7 +681,6 @@ def test_drafts_of_a_copy_that_is_used(failed):
 
 # -- questions ------------------------------------------------------------------------------------------
 
-
 def test_a_question_is_answered_when_the_copy_has_everything_up_to_it(copied, monkeypatch):
     answered = []
     copied.follower = Follower(
@@ -751,7 +747,6 @@ def test_a_question_wakes_the_thread(copied, monkeypatch):
 
 
 # -- speed ----------------------------------------------------------------------------------------------
-
 
 def test_what_was_verified_is_not_read_again(copied):
     """A copy whose disk is full is opened once a second."""

@@ -246,8 +246,8 @@ def test_a_damaged_file_is_moved_aside(tmp_path, caplog, content):
     save(Home().saved())
     assert open_settings(str(tmp_path))[0] == Home().saved()
 
-# -- the SmartIF client, against a controller of which each byte is the test's, over TCP on loopback --
 
+# -- the SmartIF client, against a controller of which each byte is the test's, over TCP on loopback --
 
 class World:
     """A scripted controller and a client. Every event wakes `until`."""

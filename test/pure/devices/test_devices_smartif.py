@@ -118,8 +118,8 @@ def test_texts_that_do_not_fit_are_not_sent(message):
     with pytest.raises(ValueError):
         encode(message)
 
-# -- the known state of the home devices --------------------------------------------------------------
 
+# -- the known state of the home devices --------------------------------------------------------------
 
 @pytest.mark.parametrize("device, value, message", [
     ("switch_1", 1, Set("11", 1)), ("switch_2", 1, Set("33", 1)), ("switch_3", 0, Set("40", 0)),

@@ -85,8 +85,8 @@ def test_a_tablet_beacon_does_not_say_which_view_it_shows():
     message = pb.TabletBeacon(last_call=pb.Time(sec=1, nsec=2), last_pos=pb.Time(sec=3, nsec=4), x=0.5, y=-1.0)
     assert wire_convert.tablet_of(message) == TabletState(False, (1, 2), (3, 4), 0.5, -1.0)
 
-# -- reading a robot's payloads within its budget -----------------------------------------------------
 
+# -- reading a robot's payloads within its budget -----------------------------------------------------
 
 HEADER = 8
 

@@ -169,8 +169,8 @@ def test_the_queue_is_bounded():
     sender.for_message(1)
     sender.add("visitor", "one more")
 
-# -- the times of a robot's messages, and the numbers behind acknowledgements -------------------------
 
+# -- the times of a robot's messages, and the numbers behind acknowledgements -------------------------
 
 T0 = 1_800_000_000
 

@@ -74,8 +74,8 @@ def test_an_error_says_what_came_and_what_the_robot_was_doing():
     text = unexpected_state_text(BoxState.GOAL_TX, RobotState.PREPARING)
     assert "GOAL_TX" in text and "PREPARING" in text
 
-# -- the messages that simulate the box ---------------------------------------------------------------
 
+# -- the messages that simulate the box ---------------------------------------------------------------
 
 def test_a_benchmark_by_its_number() -> None:
     message = override_message(11, 2, (3, 4), [True, False], [2])

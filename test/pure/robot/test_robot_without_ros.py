@@ -27,7 +27,6 @@ def block(name):
 
 # -- the example ------------------------------------------------------------------------------------
 
-
 @pytest.fixture
 def example():
     spec = importlib.util.spec_from_file_location("my_robot", EXAMPLE)
@@ -116,7 +115,6 @@ def test_the_example_says_why_it_cannot_begin(example, monkeypatch, capsys, pass
 
 
 # -- what the page says -----------------------------------------------------------------------------
-
 
 @pytest.mark.parametrize("said", [
     f"by {Settings().allowed_skew} s or more",

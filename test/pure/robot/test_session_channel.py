@@ -204,8 +204,8 @@ def test_the_largest_message_fits_a_robots_datagram(linked):
     assert len(linked.last.notifications) >= 4
     assert len(linked.last.SerializeToString()) <= 987
 
-# -- the session in simulated time: devices and tablet in the box's beacons ---------------------------
 
+# -- the session in simulated time: devices and tablet in the box's beacons ---------------------------
 
 # The home.
 

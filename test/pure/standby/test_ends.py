@@ -602,7 +602,6 @@ def test_secrets_are_for_their_owner(ends):
 
 # -- after a takeover ---------------------------------------------------------------------------------
 
-
 def taken_over(ends):
     """Pair, copy, and take over: the folder of the standby is the log_dir of a box now."""
     box = ends.pair()

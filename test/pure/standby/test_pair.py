@@ -333,8 +333,8 @@ def test_a_box_that_was_never_heard_is_not_silent():
     assert not silence.lasts(1004.0, 5.0)
     assert silence.lasts(1005.0, 5.0)
 
-# -- words as datagrams: nobody but the ends of the pair can make one ---------------------------------
 
+# -- words as datagrams: nobody but the ends of the pair can make one ---------------------------------
 
 SECRET, OTHER = "5" * 64, "6" * 64
 SECRETS = {pair_name(secret): secret for secret in (SECRET, OTHER)}

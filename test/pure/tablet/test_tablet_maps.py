@@ -53,7 +53,6 @@ def saved(tmp_path):
 
 # -- places ----------------------------------------------------------------------------------------------
 
-
 @pytest.mark.parametrize(("u", "v", "place"), [
     (0.0, 1.0, (-1.0, -2.0)),  # the lower left corner is the origin
     (1.0, 1.0, (9.0, -2.0)), (0.0, 0.0, (-1.0, 3.0)), (1.0, 0.0, (9.0, 3.0)), (0.25, 0.2, (1.5, 2.0)),
@@ -81,7 +80,6 @@ def test_a_place_is_found_again_in_the_image(origin, point):
 
 
 # -- images ----------------------------------------------------------------------------------------------
-
 
 @pytest.mark.parametrize("pgm", [
     PGM,
@@ -112,7 +110,6 @@ def test_a_broken_pgm_is_refused(pgm):
 
 
 # -- files -----------------------------------------------------------------------------------------------
-
 
 def test_a_map_is_read_as_map_saver_writes_it(saved):
     plan = maps.load(saved())

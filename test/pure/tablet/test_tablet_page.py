@@ -155,8 +155,8 @@ def test_a_position_on_a_wall_is_refused_and_changes_nothing(state):
     assert state.position_time == NEVER
     assert pages.do(100.0, NS, '{"do": "place", "u": 0.51, "v": 0.505}') is True
 
-# -- the tablet's page without ROS: its parameters, and what it serves and publishes ------------------
 
+# -- the tablet's page without ROS: its parameters, and what it serves and publishes ------------------
 
 __all__ = ["running"]
 

@@ -109,7 +109,6 @@ def test_the_box_acknowledges(running, box, tablet):
 
 # -- on the command line ---------------------------------------------------------------------------------
 
-
 class Started:
     """The program in a separate process."""
 

@@ -22,7 +22,6 @@ from roah_rsbb.rulebook.registry import CODE
 
 # -- the rules of the package -------------------------------------------------------------------------
 
-
 def modules(report: Optional[Callable[[str], None]] = None) -> Dict[str, Type[Module]]:
     """Return the modules by code.
 
@@ -51,11 +50,11 @@ def _of_file(name: str) -> Dict[str, Type[Module]]:
         if issubclass(kind, Module) and kind.CODE and kind.__module__ == file.__name__
     }
 
+
 # -- the rules of a competition -----------------------------------------------------------------------
 
 # `modules/CODE.py` is the organiser's own code. Each fault in it is reported like an error in a configuration file,
 # with file and line. It does not affect other benchmarks.
-
 
 _PAGE = "docs/write_a_benchmark.md"
 
@@ -146,11 +145,11 @@ def _line(path: str, error: BaseException) -> int:
 def _words(error: BaseException) -> str:
     return f"{type(error).__name__}: {error}"
 
+
 # -- files of a zone ----------------------------------------------------------------------------------
 
 # A file `modules/ZONE/NAME` replaces `modules/NAME` for the runs in that zone, as a whole. So two arenas can run the
 # same benchmark at once, with their own waypoints and markers.
-
 
 # Folders with such names belong to tools, such as editors.
 _NOT_ZONES = (".", "_")
@@ -177,8 +176,8 @@ def own_file(folder: str, zone: str, name: str) -> str:
         return ""
     return os.path.join(folder, zone, name)
 
-# -- files that change --------------------------------------------------------------------------------
 
+# -- files that change --------------------------------------------------------------------------------
 
 T = TypeVar("T")
 

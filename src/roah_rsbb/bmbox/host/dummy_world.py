@@ -28,7 +28,6 @@ from roah_rsbb.rulebook.registry import PROFILES
 
 # -- the test bed -------------------------------------------------------------------------------------
 
-
 TABLE = Pose3(4.0, 1.0, 0.8, 0.3)  # a corner of its top, in the test bed; metres and radians
 TABLE_SIZE = (1.2, 0.8)  # metres, as in HOPF.yaml and HGMF.yaml
 # Least distance of items from the table's edges (m).
@@ -169,11 +168,11 @@ def _carried(begin: Pose3, end: Pose3, since_s: float) -> Pose3:
     height = begin.z + LIFT_M if share < 1.0 else begin.z
     return Pose3(x, y, height, normalised(begin.theta + share * angle_difference(end.theta, begin.theta)))
 
+
 # -- its motion-capture system ------------------------------------------------------------------------
 
 # `seen_markers` is what it sees in a `DummyWorld`. The node of the dummy set-up publishes that to tf. `DummyFrames`
 # gives it to modules in the same process.
-
 
 # Interval of the simulated measurements: the robot moves 6 cm in it.
 STEP_S = 0.02

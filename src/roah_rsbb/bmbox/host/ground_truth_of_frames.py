@@ -25,7 +25,6 @@ from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, read_yaml
 # publishes for it, with the transform from the marker to the subject. A team may have its own markers, because they are
 # mounted differently on each robot.
 
-
 FILE_NAME = "ground_truth.yaml"
 _SOURCES = tuple(source.value for source in Source)
 # Without motion capture, these may be left out.
@@ -147,8 +146,8 @@ def _frame(report: Report, node: Optional[Node], what: str) -> Optional[str]:
         return None
     return name
 
-# -- ground truth -------------------------------------------------------------------------------------
 
+# -- ground truth -------------------------------------------------------------------------------------
 
 # Frames are kept for this time; modules ask for poses that are a few seconds old at most.
 KEPT_S = 10.0

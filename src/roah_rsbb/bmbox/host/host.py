@@ -29,7 +29,6 @@ from roah_rsbb.wording.texts import did_you_mean
 
 # -- rules and their parameters -----------------------------------------------------------------------
 
-
 class Driven:
     """The rules of the package, or those of the competition in `own_file`, and the files with their parameters.
 
@@ -96,8 +95,8 @@ class Driven:
         except ConfigErrors:
             return []
 
-# -- a run's module -----------------------------------------------------------------------------------
 
+# -- a run's module -----------------------------------------------------------------------------------
 
 class HostedModule:
     """A `ModuleRunner` that catches all exceptions; `log` is called with errors."""
@@ -159,8 +158,8 @@ class HostedModule:
             where = "" if run is None else f"{run.benchmark} in zone {run.zone}: "
             self._log(where + "".join(traceback.format_exception(type(error), error, error.__traceback__)))
 
-# -- the host -----------------------------------------------------------------------------------------
 
+# -- the host -----------------------------------------------------------------------------------------
 
 # Interval of messages to the core, which pauses a run after four missing messages.
 BEAT_S = 0.5

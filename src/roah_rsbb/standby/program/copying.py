@@ -54,7 +54,6 @@ from roah_rsbb.standby.remote import CoreState
 # the standby becomes the box. Before, the old core is ended, so that it can send nothing whatever happens to it, and
 # the copy is completed.
 
-
 # Seconds without a sign of life of any core, after which the box hands over: if nobody starts another core,
 NOBODY_S = 3.0
 # if the core that hangs still exists after it was killed, because it waits for its disk,
@@ -232,8 +231,8 @@ class _Trial:
             self._is_late = True
             return self._found
 
-# -- copying ------------------------------------------------------------------------------------------
 
+# -- copying ------------------------------------------------------------------------------------------
 
 NAME = "roah_rsbb_backup"  # of this program
 PERIOD_S = 1.0

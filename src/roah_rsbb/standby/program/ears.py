@@ -23,7 +23,6 @@ from roah_rsbb.standby.pairing import PairedBox
 
 # -- the computer's network ---------------------------------------------------------------------------
 
-
 _ETHERTYPE_ARP = 0x0806
 _BROADCAST = b"\xff" * 6
 _ANNOUNCEMENTS = 3
@@ -148,8 +147,8 @@ def _ip(*arguments: str) -> str:
         raise NoAddress(f"'ip {' '.join(arguments)}' failed: {found.stderr.strip()}. It needs the rights of root")
     return found.stdout
 
-# -- hearing the box ----------------------------------------------------------------------------------
 
+# -- hearing the box ----------------------------------------------------------------------------------
 
 LOOK_S = 0.25
 # A takeover that is not possible is tried again after this time.

@@ -102,7 +102,6 @@ def _sub_parser(prog: str, **options: Any) -> Parser:
 
 # -- on the box -----------------------------------------------------------------------------------------
 
-
 def _code(_options: argparse.Namespace, folder: StandbyFolder) -> int:
     """Show a code."""
     own = StandbyFolder(os.path.join(folder.path, FOLDER))
@@ -160,7 +159,6 @@ def _claim_again(folder: StandbyFolder, standby: PairedStandby, anyway: bool) ->
 
 
 # -- on the standby -------------------------------------------------------------------------------------
-
 
 def _follow(options: argparse.Namespace, folder: StandbyFolder) -> int:
     """Pair, and keep the copy."""
@@ -272,7 +270,6 @@ def _take_address(folder: StandbyFolder, box: PairedBox) -> None:
 
 
 # -- the program ----------------------------------------------------------------------------------------
-
 
 def _status(_options: argparse.Namespace, folder: StandbyFolder) -> int:
     """Show what this computer is."""

@@ -183,8 +183,8 @@ def test_in_a_benchmark_of_a_competition_everything_moves_that_rules_may_ask_for
     w.asks(RequestKind.GOAL, pose=(4.0, 3.0, 3.0))
     assert distance(w.executes()["robot"], Pose2D(4.0, 3.0, 0.0)) < 0.2
 
-# -- simulated frames: what they show now and before, and what moves them -----------------------------
 
+# -- simulated frames: what they show now and before, and what moves them -----------------------------
 
 ON_TOP = Pose3(0.0, 0.0, -1.2, math.pi / 2)
 CONFIG = GroundTruthConfig(

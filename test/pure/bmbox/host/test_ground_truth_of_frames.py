@@ -187,8 +187,8 @@ def test_a_zone_has_its_own_frames_and_gets_its_own_runs(tmp_path):
     assert zones.of_zone("North").pose("robot") == HERE
     assert [frames.is_closed for frames in made] == [False, True]
 
-# -- ground_truth.yaml: markers, markers of teams, and errors in the file -----------------------------
 
+# -- ground_truth.yaml: markers, markers of teams, and errors in the file -----------------------------
 
 GOOD = """\
 reference_frame: testbed

@@ -285,7 +285,6 @@ def test_arguments_of_the_launch_file_may_stand_anywhere(copied, monkeypatch):
 
 # -- the code -------------------------------------------------------------------------------------------
 
-
 @pytest.fixture
 def box(copied):
     """The log_dir of a box that runs with a port for a standby."""
@@ -351,7 +350,6 @@ def test_only_the_user_of_the_box_makes_a_code(box, monkeypatch):
 
 
 # -- the program that keeps the copy, and the box that it prepared ------------------------------------
-
 
 class Keeping:
     """`standby follow`, whose end is to take over at once, or to be ended. Notes what happens."""

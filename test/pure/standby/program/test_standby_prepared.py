@@ -117,8 +117,8 @@ def test_a_folder_of_a_standby(tmp_path):
     assert not is_standby(str(tmp_path)), "it took over"
     assert [partner.own_side for partner in partners_of(str(tmp_path)).values()] == [Side.BOX, Side.STANDBY]
 
-# -- the guard of what the standby prepared -------------------------------------------------------------
 
+# -- the guard of what the standby prepared -------------------------------------------------------------
 
 KEEPER = """
 import subprocess, sys, time
