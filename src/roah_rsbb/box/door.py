@@ -122,6 +122,10 @@ class Door:
         bound: int = listening[0].getsockname()[1]
         return bound
 
+    def add_calls(self, calls: Mapping[str, Call]) -> None:
+        """Let clients make further calls, which change nothing of the box."""
+        self._calls.update(calls)
+
     def close(self) -> None:
         """End all connections."""
         self.server.stop()
@@ -395,10 +399,6 @@ class BoxDoor(Door):
         bound = super().open(host, port)
         self._sign()
         return bound
-
-    def add_calls(self, calls: Mapping[str, Call]) -> None:
-        """Let clients make further calls, which change nothing of the box."""
-        self._calls.update(calls)
 
     def changed(self) -> None:
         """Note that an event changed something: clients are sent it soon."""

@@ -289,9 +289,9 @@ class FakeCore:
         self._robots_speak()
         self.look()
         self._calls: Dict[str, Call] = {}
+        self._door: Optional[Door] = None
         for name, call in BoxCalls(self.box, self._serve).named().items():
             self.add_call(name, call)
-        self._door: Optional[Door] = None
         _in_loop(self._open)
 
     def _new_box(self, zones: tuple) -> Box:
@@ -404,6 +404,9 @@ class FakeCore:
     def add_call(self, name: str, call: Call) -> None:
         """Answer another call."""
         self._calls[name] = partial(self._call, call)
+        door = self._door
+        if door is not None:
+            _in_loop(partial(door.add_calls, {name: self._calls[name]}))
 
     def _open(self) -> None:
         self._door = Door(LOOP, TOKEN, self._calls, self._now, self._written)
