@@ -108,7 +108,7 @@ def test_a_choice_is_given_if_it_has_points(choice, points):
     ((), False, "completed", 250.0, "5"), ((), False, "stopped", 250.0, "0"), ((), False, "timeout", 300.0, "0"),
     ((), False, "", 250.0, "0"), ((EMPTY.key,), True, "stopped", 250.0, "5"),
     ((EMPTY.key,), False, "completed", 250.0, "0"), ((), False, "completed", 259.999, "4"),
-    ((), False, "completed", 259.99999999, "4"), ((), False, "completed", 10.0, "20"),
+    ((), False, "completed", 260.00000001, "4"), ((), False, "completed", 10.0, "20"),
     ((), False, "completed", 300.2, "0"),
 ])
 def test_the_bonus_for_the_time_left(needs, is_empty, reason, elapsed_s, points):
