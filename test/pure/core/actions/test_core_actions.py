@@ -16,6 +16,7 @@ from roah_rsbb.model.reason import Refused, RunName, decoded, encoded
 from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.scoring.sheet import Mark
+from roah_rsbb.wording.texts import did_you_mean
 
 
 def _refused(driver, command, zone="tbm"):
@@ -489,3 +490,15 @@ def test_a_run_in_progress_is_left_only_by_who_knows_it():
     assert "is running: stop it first" in refusal(driver, shown, "disconnect")[0]
     driver.event(driver.box.act, shown, "disconnect", "Anna", {"running": True})
     assert driver.run_in() is None
+
+
+def test_a_refusal_has_every_reason():
+    refused = Refused(["no robot", "no port"])
+    assert refused.reasons == ["no robot", "no port"]
+    assert str(refused) == "no robot; no port"
+
+
+def test_the_nearest_choice_or_else_all():
+    assert did_you_mean("tmb", ["tbm", "fbm"]) == ": did you mean 'tbm'?"
+    assert did_you_mean("xyz", ["tbm", "fbm"]) == ": there is 'tbm', 'fbm'"
+    assert did_you_mean("", iter(["tbm"])) == ": there is 'tbm'"
