@@ -1,14 +1,11 @@
-"""The dummy set-up in simulated time: the box, a benchmarking module, a robot, a referee and a pretended test bed."""
+"""The dummy set-up without ROS, in simulated time: box, host of modules with simulated frames, robot and referee."""
 
 from helpers.config_files import SHIPPED
 from helpers.module_player import functionality
-from roah_rsbb.bmbox.framework.ground_truth import GroundTruth
-from roah_rsbb.bmbox.framework.parameters import read_parameters
-from roah_rsbb.bmbox.framework.rule_files import modules
-from roah_rsbb.bmbox.framework.runner import ModuleRunner
-from roah_rsbb.bmbox.host.dummy_world import DummyWorld
+from roah_rsbb.bmbox.host.dummy_world import DummyFrames
+from roah_rsbb.bmbox.host.ground_truth_of_frames import ZonesGroundTruth
+from roah_rsbb.bmbox.host.host import ModulesHost
 from roah_rsbb.core.actions.table import Target
-from roah_rsbb.model.modules import ModuleInfo, ModulesState
 from roah_rsbb.model.records import Phase
 from roah_rsbb.protocol import BoxState, RobotState
 
@@ -16,14 +13,33 @@ PREPARE_S, EXECUTE_S = 1.0, 3.0
 ZONE = "tbm"
 
 
-class WorldTruth(GroundTruth):
-    """Where things are in a dummy world."""
+class Timers:
+    """The timers of an asyncio loop, at the test's time."""
 
-    def __init__(self, world):
-        self.world = world
+    class Timer:
+        """A call at a time."""
 
-    def pose(self, frame, at_utc=None):
-        return self.world.poses()[frame]
+        def __init__(self, at, function):
+            self.at, self.function, self.is_cancelled = at, function, False
+
+        def cancel(self):
+            self.is_cancelled = True
+
+    def __init__(self, mono):
+        self.mono = mono  # returns the time
+        self.waiting = []
+
+    def call_later(self, seconds, function):
+        self.waiting.append(self.Timer(self.mono() + seconds, function))
+        return self.waiting[-1]
+
+    def turn(self):
+        """Call what is due."""
+        due = [timer for timer in self.waiting if timer.at <= self.mono() + 1e-9 or timer.is_cancelled]
+        self.waiting = [timer for timer in self.waiting if timer not in due]
+        for timer in due:
+            if not timer.is_cancelled:
+                timer.function()
 
 
 class Worker:
@@ -57,42 +73,39 @@ class Worker:
 
 
 class DummySetUp:
-    """A benchmark with the shipped parameters, from its start to its end."""
+    """A benchmark with the shipped parameters and ground truth, from its start to its end."""
 
     def __init__(self, code, result=lambda: None, goal=120.0, total=1000.0):
         """`result` gives the robot's results; None instead of it: the robot does not end a goal."""
-        self.driver, self.fake, robot = functionality(code, goal=goal, total=total)
-        self.world = DummyWorld(seed=3)
-        self.truth = WorldTruth(self.world)
-        self.kind = modules()[code]
+        self.driver, _, robot = functionality(code, goal=goal, total=total)
+        self.code = code
+        self.frames = DummyFrames(3, lambda: self.driver.now.utc)
         self.worker = Worker(robot, result)
         self.restarts = 0
         self.restart()
         self.driver.command("start", ZONE)
 
     def restart(self):
-        """The modules' process crashes and restarts."""
-        self.runner = ModuleRunner(self.kind, self._parameters, self.truth)
+        """The process of the modules crashes and restarts."""
+        folder, driver = str(SHIPPED / "modules"), self.driver
+        self.timers, self.taken = Timers(lambda: driver.now.mono), None
+        self.truth = ZonesGroundTruth(folder, lambda: self.frames)
+        self.host = ModulesHost(
+            self.timers, folder, [self.code], self.truth,
+            lambda state: driver.event(driver.box.modules.on_modules, state), lambda: driver.now.utc)
+        self.host.start()
         self.restarts += 1
-
-    def _parameters(self):
-        code = self.kind.CODE
-        return read_parameters(str(SHIPPED / "modules" / f"{code}.yaml"), code, self.kind.PARAMETERS)
 
     @property
     def run(self):
         return self.driver.run_in(ZONE)
-
-    @property
-    def score(self):
-        return self.runner.module.score
 
     def go(self, period_s=0.1, limit_s=2000.0, restart_every_s=None):
         """Go through the run to its end."""
         begin = self.driver.now.mono
         while self.run.phase is Phase.RUNNING:
             since = self.driver.now.mono - begin
-            assert since < limit_s, self.runner.progress()
+            assert since < limit_s, self.run.asked
             if restart_every_s and since > restart_every_s * self.restarts:
                 self.restart()
             self.step(period_s)
@@ -100,23 +113,12 @@ class DummySetUp:
     def step(self, period_s=0.1):
         """All participants do what is due. Then the time advances by this much."""
         driver = self.driver
-        self.world.step(driver.now.mono, driver.box.modules.runs())
-        self._module()
+        self.timers.turn()
+        while self.taken != driver.box.modules.runs():
+            self.taken = driver.box.modules.runs()
+            self.host.take(self.taken)
         asked = self.run.asked
         if asked is not None:
             driver.event(driver.box.act, Target(ZONE), "operation", "", {"operation": asked.number})
-            self.world.step(driver.now.mono, driver.box.modules.runs())
         self.worker.step(driver.now.mono, driver.box_state(ZONE))
         driver.run(period_s)
-
-    def _module(self):
-        """Exchange messages until neither side has news."""
-        said = None
-        self.runner.on_run(self.fake.run(ZONE))
-        self.runner.tick(self.driver.now.utc)
-        while self.runner.progress() != said:
-            said = self.runner.progress()
-            info = ModuleInfo(self.kind.CODE)
-            state = ModulesState(f"node {self.restarts}", (info,), () if said is None else (said,))
-            self.driver.event(self.driver.box.modules.on_modules, state)
-            self.runner.on_run(self.fake.run(ZONE))

@@ -1,43 +1,17 @@
 """A host of modules without ROS: whole runs, its messages, and files that change."""
 
-import json
 import shutil
 
 import pytest
 
 from helpers.config_files import SHIPPED
-from helpers.hosted_set_up import HostedSetUp, Timers
+from helpers.dummy_set_up import Timers
 from roah_rsbb.bmbox.host.ground_truth_of_frames import NoFrames, ZonesGroundTruth
 from roah_rsbb.bmbox.host.host import BEAT_S, ModulesHost, chosen_benchmarks
 from roah_rsbb.ground.params import BadParams, Params
 from roah_rsbb.model.modules import OutcomeKind, RequestOutcome, RunForModule, Step
-from roah_rsbb.model.records import EndReason
 
 RUN = RunForModule("HNF-1", 1, "North", "HNF", "Alpha", 1, 1, running=True)
-
-
-def scores(set_up):
-    assert set_up.run.end_reason is EndReason.COMPLETED, set_up.driver.notices()
-    return {(score.group, score.name): json.loads(score.value) for score in set_up.run.scores}
-
-
-@pytest.mark.parametrize("restart_every_s", [None, 1.7])
-def test_a_run_with_measured_poses_from_its_start_to_its_scores(restart_every_s):
-    set_up = HostedSetUp("HNF")
-    set_up.go(restart_every_s=restart_every_s)
-    found = scores(set_up)
-    assert (found["", "reached"], found["", "timed_out"]) == (3, 0)
-    assert 0.0 < found["", "position_accuracy"] < 0.15
-    assert 0.0 < found["", "orientation_accuracy"] < 0.2
-
-
-def test_a_run_that_watches_the_robot():
-    set_up = HostedSetUp("HPFF", None, goal=30.0, total=35.0)
-    set_up.go(period_s=0.1)
-    found = scores(set_up)
-    # Twice a second, from 8 s on.
-    assert 40 <= found["", "samples"] <= 46
-    assert found["", "mean_deviation"] < 0.5
 
 
 class Hosted:
