@@ -1,27 +1,33 @@
-"""A core that is killed resumes where it was: at every record boundary, after every event, from torn files."""
+"""A core that is killed resumes where it was: at every record boundary, after every event, from torn files, and with
+another schedule, or in another launch. A run whose private channel is no longer available does not prevent that. The
+journal has the state of a run at every moment, for replays."""
 
 import pytest
 
 from helpers.all_robots import robots_of, take_ports
 from helpers.competition import BUMPS, DOOR, competition, event
 from helpers.examples import ALL
-from helpers.journaled import NO_LISTENING, JournaledDriver, box, two_zones
+from helpers.journaled import CATERING, NAVIGATION, NO_LISTENING, JournaledDriver, box, two_zones
 from helpers.module_player import FakeModules, does_goal
 from roah_rsbb.box.journal import competition as events_of
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.runs.run import IGNORES_STOP
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.views.document import clock_of
 from roah_rsbb.journal.log_dir import CoreSession, Resume
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.journal.records import Batch, ChangesReader, Kind
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model import run_log
 from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import DevicesState, TabletState
 from roah_rsbb.model.modules import RequestKind, ScoreValue
+from roah_rsbb.model.reason import RunName
 from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.scoring.sheet import Mark
 from roah_rsbb.standby.beside_copy import Ahead
 
 WAYPOINT = {"goal": "[1.0, 2.0, 0.5]", "pose": (1.0, 2.0, 0.5)}
@@ -197,34 +203,19 @@ def test_a_torn_file_gives_a_state_that_was_in_force(reported, tmp_path, share, 
     driver.journal.close()
 
 
-def test_the_true_time_is_left_after_a_restart(tmp_path):
+@pytest.mark.parametrize("how", [
+    {}, {"boot": "boot 2"}, *({"boot": "boot 2", "ahead": ahead, "set_s": set_s} for ahead, set_s in (
+        (Ahead(30.0), 0.0), (Ahead(-30.0), 0.0), (Ahead(30.0, 5000.0), 900.0), (Ahead(0.0, -900.0), -900.0)))])
+def test_the_true_time_is_left_after_a_restart(tmp_path, how):
+    """Also after a restart of the computer, and on another one, whose clocks differ. The standby has measured by how
+    much. If it ran all the time, a step of its UTC changes nothing."""
     driver = box(tmp_path)
     driver.executing("tbm")
     driver.run(10.0)
     left = driver.run_in("tbm").timer(driver.now)
-    driver.kill(20.0)
-    assert driver.run_in("tbm").timer(driver.now) == pytest.approx(left - 20.0)
-
-
-def test_the_true_time_is_left_after_a_restart_of_the_computer(tmp_path):
-    driver = box(tmp_path)
-    driver.executing("tbm")
-    left = driver.run_in("tbm").timer(driver.now)
-    driver.kill(60.0, boot="boot 2")
+    driver.kill(60.0, **how)
     assert driver.run_in("tbm").timer(driver.now) == pytest.approx(left - 60.0)
-
-
-@pytest.mark.parametrize("ahead, set_s", [
-    (Ahead(30.0), 0.0), (Ahead(-30.0), 0.0), (Ahead(30.0, 5000.0), 900.0), (Ahead(0.0, -900.0), -900.0)])
-def test_the_true_time_is_left_on_another_computer(tmp_path, ahead, set_s):
-    """The clocks of two computers differ. The standby has measured by how much. If it ran all the time, a step of its
-    UTC changes nothing."""
-    driver = box(tmp_path)
-    driver.executing("tbm")
-    left = driver.run_in("tbm").timer(driver.now)
-    driver.kill(60.0, boot="boot 2", ahead=ahead, set_s=set_s)
-    assert driver.run_in("tbm").timer(driver.now) == pytest.approx(left - 60.0)
-    assert any(" 60 s after its last record" in warning for warning in driver.box.warnings(driver.now))
+    assert not how or any(" 60 s after its last record" in warning for warning in driver.box.warnings(driver.now))
 
 
 def test_a_robot_that_did_not_answer_stop_is_warned_of_from_the_first_moment(tmp_path):
@@ -447,3 +438,175 @@ def test_a_core_that_ended_before_it_resumed_changes_no_times(tmp_path):
     driver.now = driver.now.later(5.0)
     driver.resume_in(tmp_path / "0")
     assert driver.run_in().clock.elapsed(driver.now) == pytest.approx(elapsed + 35.0)
+
+
+def test_a_run_that_cannot_continue_can_be_corrected_and_signed_off(tmp_path):
+    driver = box(tmp_path)
+    driver.executing("tbm")
+    driver.score(DOOR.group, DOOR.desc, 1, "tbm")
+    identity = driver.run_in("tbm").identity
+    driver.kill(5.0, config=competition(fbm=[NAVIGATION]))
+    (record,) = driver.box.finished.records()
+    assert (record.identity, record.end_reason, record.items[0].value) == (identity, "stopped", 1)
+    name = RunName("tbm", identity)
+    driver.mark(name, Mark(DOOR.group, DOOR.desc, 0), "Anna")
+    driver.enter("sign_off", name, "Anna")
+    signed = driver.box.finished.find(identity).record
+    driver.kill()
+    assert driver.box.finished.records() == [signed]
+
+
+def test_an_event_that_was_moved_in_time_is_found(tmp_path):
+    driver = box(tmp_path)
+    driver.command("next", "tbm")
+    later = event("HWV", scheduled=event().scheduled + 900)
+    moved = competition(tbm=[event("HGTKMH"), CATERING, later], fbm=[NAVIGATION])
+    driver.kill(config=moved)
+    assert driver.box.zones["tbm"].event.benchmark.code == "HWV"
+
+
+def test_a_run_whose_event_is_gone_is_reported(tmp_path):
+    driver = box(tmp_path)
+    driver.executing("tbm")
+    driver.kill(config=competition(tbm=["HGTKMH"], fbm=[NAVIGATION]))
+    assert driver.run_in("tbm") is None
+    assert any("cannot continue" in text for text in driver.box.warnings(driver.now))
+
+
+def test_the_journal_of_another_competition_is_set_aside(tmp_path):
+    driver = box(tmp_path)
+    driver.executing("tbm")
+    driver.kill(config=competition(other=["HGTKMH"]))
+    assert any("another competition" in text for text in driver.troubles)
+    assert [path.name for path in driver._directory.glob("*_aside_*")] != []
+
+
+@pytest.mark.parametrize("resume, launch, resumes", [
+    (Resume.ALWAYS, "2", True), (Resume.LAUNCH, "1", True), (Resume.LAUNCH, "2", False), (Resume.NEVER, "1", False),
+])
+def test_when_a_core_resumes(tmp_path, resume, launch, resumes):
+    driver = box(tmp_path)
+    driver.journal.close()
+    driver.open(tmp_path / "0", launch="1")
+    driver.executing("tbm")
+    driver.journal.close()
+    driver.open(tmp_path / "0", resume, launch)
+    assert (driver.run_in("tbm") is not None) == resumes
+
+
+ALL_ROBOTS = competition(a=[event("HSUF", team="ALL", timeout=120.0, scoring=())], b=["HWV"])
+
+
+def why_not(driver):
+    return [text for text in driver.box.warnings(driver.now) if "cannot continue" in text]
+
+
+def test_a_robot_whose_team_has_no_password_any_more(tmp_path):
+    driver = JournaledDriver(tmp_path, ALL_ROBOTS, NO_LISTENING)
+    robots = robots_of(driver)
+    driver.command("connect", "a")
+    take_ports(driver, robots)
+    for robot in robots:
+        robot.says(RobotState.STOP)
+    left_out = robots[-1].team
+    rest = competition(teams=[team for team in ("Alpha", "Beta", "Gamma") if team != left_out], **{
+        plan.name: plan.events for plan in ALL_ROBOTS.zones
+    })
+    driver.kill(config=rest)
+    assert driver.run_in("a") is None
+    assert driver.channels == {}
+    assert len(why_not(driver)) == 1 and f"team {left_out} has no password any more" in why_not(driver)[0]
+
+
+@pytest.mark.parametrize("port", [0, -1, 65536, 10**12, 6667])
+def test_a_port_that_cannot_be_a_runs(tmp_path, port):
+    """6667 is the other run's: the file is damaged."""
+    driver = JournaledDriver(tmp_path, competition(a=["HGTKMH"], b=[event("HWV", team="Beta")]), NO_LISTENING)
+    driver.executing("a")
+    driver.connected("b", team="Beta", host="10.0.0.3")
+    state = driver.journal._writer.contents.states["zone:b"].state
+    driver.journal.write(Batch(states={"zone:b": {**state, "run": {**state["run"], "port": port}}}))
+    driver.kill()
+    assert driver.run_in("b") is None
+    assert driver.run_in("a") is not None
+    assert list(driver.channels) == [6667]
+    assert f"its port {port} cannot be used" in why_not(driver)[0]
+
+
+def states_of(path):
+    """The states of all runs in a journal: by identity, (UTC, state) in order."""
+    found = {}
+    journal = JournalReader(str(path))
+    for run in journal.runs():
+        reader = ChangesReader()
+        found[run.identity] = [(entry.utc, reader.take(entry.value)) for entry in journal.states(run.identity)]
+        assert not any(entry.kind == Kind.STATE for entry in journal.entries(run.identity))
+    return found
+
+
+class _Watched:
+    """Notes the state of each run after each record."""
+
+    def __init__(self):
+        self.states = {}  # by identity and UTC: the last state of this moment
+
+    def __call__(self, driver):
+        for zone in driver.box.zones.values():
+            if zone.run is not None:
+                clock = clock_of(zone.run, zone.event.benchmark, driver.now)
+                self.states.setdefault(zone.run.identity, {})[driver.now.utc] = (
+                    to_json(zone.saved()), clock.spent(driver.now.mono))
+
+
+def check(driver, watched):
+    path = driver.journal.path
+    driver.journal.close()
+    found = states_of(path)
+    assert found.keys() == watched.states.keys()
+    for identity, states in found.items():
+        assert None not in [state for _, state in states]
+        last = dict(states)
+        for utc, (state, elapsed_s) in watched.states[identity].items():
+            if utc in last:
+                assert last[utc]["zone"] == state
+                assert abs(last[utc]["clock"].get("elapsed", 0.0) - elapsed_s) < 0.001
+        assert len(last) > 3
+
+
+def test_the_states_of_a_run_are_those_of_the_box(tmp_path):
+    watched = _Watched()
+    driver = box(tmp_path, on_record=watched)
+    robot = driver.executing("tbm")
+    for i in range(5):
+        robot.says(notifications=(f"text {i}",))
+        driver.score(DOOR.group, DOOR.desc, i % 2, "tbm")
+    driver.command("stop", "tbm")
+    robot.says(RobotState.STOP)
+    driver.command("start", "tbm")
+    robot.executes()
+    robot.completes()
+    driver.command("disconnect", "tbm")
+    check(driver, watched)
+
+
+def test_after_a_restart_the_states_begin_again_with_a_complete_one(tmp_path):
+    watched = _Watched()
+    driver = box(tmp_path, on_record=watched)
+    robot = driver.executing("tbm")
+    driver.kill(3.0)
+    robot.says(notifications=("after",))
+    driver.command("stop", "tbm")
+    check(driver, watched)
+
+
+def test_the_states_of_a_run_of_all_robots_have_all_robots(tmp_path):
+    watched = _Watched()
+    driver = box(tmp_path, competition(tbm=[event("HSUF", team="ALL", scoring=())]), on_record=watched)
+    robots = robots_of(driver)
+    driver.command("connect", "tbm")
+    take_ports(driver, robots)
+    for robot in robots:
+        robot.says()
+    driver.command("start", "tbm")
+    robots[0].says(notifications=("hello",))
+    check(driver, watched)

@@ -1,5 +1,7 @@
-"""The door of the box on real loopback sockets: the document, calls, STOP first, and its defences."""
+"""The door of the box on real loopback sockets: the document, calls, STOP first, and its defences. The document is
+made again when something happened, and once a second of the box's clock."""
 
+import asyncio
 import contextlib
 import json
 import socket
@@ -9,13 +11,17 @@ import zlib
 import pytest
 from tornado import httpclient, websocket
 
+from helpers.box_driver import BoxDriver
 from helpers.running_loop import running
 from helpers.toy_box import HOST, TOKEN, Bare, ToyBox
 from helpers.toy_document import LOW
 from roah_rsbb.box import door
+from roah_rsbb.box.door import BoxDoor
 from roah_rsbb.client.places import DoorPlace, NotFound, new_token, read_place, write_place
+from roah_rsbb.core.views.document import Documents
 from roah_rsbb.document.calls import Caller, Waiting
 from roah_rsbb.model.reason import encode
+from roah_rsbb.protocol import RobotState
 from roah_rsbb.web import serving
 from roah_rsbb.web.serving import DEFLATED_BYTES, ServeError, frame
 
@@ -390,3 +396,72 @@ def test_a_file_that_cannot_be_read_names_the_remedy(tmp_path, content):
         path.write_bytes(content)
     with pytest.raises(NotFound, match="start the box"):
         read_place(str(path))
+
+
+@pytest.fixture
+def looks(monkeypatch):
+    found, look = [], Documents.look
+
+    def counted(documents, now, *others):
+        found.append(now)
+        return look(documents, now, *others)
+
+    monkeypatch.setattr(Documents, "look", counted)
+    return found
+
+
+@pytest.fixture
+def driver():
+    return BoxDriver()
+
+
+@pytest.fixture
+def kept(driver):
+    loop = asyncio.new_event_loop()
+    made = BoxDoor(loop, driver.box, "uuid", "", lambda: driver.now, dict, tuple, {}, lambda: None)
+    yield made
+    made.close()
+    loop.close()
+
+
+def after(driver, looks, kept, act):
+    """How often the box is looked at after this."""
+    kept.publish()
+    before = len(looks)
+    act()
+    for _ in range(3):
+        kept.publish()
+    return len(looks) - before
+
+
+def test_a_robot_that_repeats_itself_is_no_reason_to_look(driver, kept, looks):
+    robot = driver.executing()
+    driver.jump(1.1 - driver.now.mono % 1.0)  # a second begins
+    for _ in range(3):
+        robot.says()
+
+    def says_again():
+        driver.jump(0.01)
+        robot.send(robot.report())
+
+    says_again()
+    assert after(driver, looks, kept, says_again) == 0
+    assert after(driver, looks, kept, lambda: driver.event(driver.box.tick_if_due)) == 0
+    assert after(driver, looks, kept, lambda: robot.says(messages_saved=7)) == 1
+    assert after(driver, looks, kept, lambda: driver.event(driver.box.on_unreadable, robot.port, "bad")) == 1
+    assert after(driver, looks, kept, lambda: driver.command("stop")) == 1
+
+
+def test_what_only_time_changes_is_looked_at_once_a_second_of_the_box(driver, kept, looks):
+    driver.executing()
+    assert after(driver, looks, kept, lambda: driver.jump(1.0)) == 1
+
+
+def test_a_robot_that_ignores_stop_is_shown_at_once(driver, kept, looks):
+    robot = driver.executing()
+    driver.command("stop")
+    robot.says(RobotState.EXECUTING)
+    kept.publish()
+    assert driver.box.deadline() <= driver.now.mono + 1.0
+    driver.run(1.0)
+    assert any("did not answer STOP" in text for text in kept.publish().zones["tbm"].warnings)

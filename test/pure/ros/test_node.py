@@ -1,6 +1,10 @@
 """Messages that come faster than they are taken."""
 
-from roah_rsbb.ros.node import Newest
+import pytest
+
+pytest.importorskip("rospy")
+
+from roah_rsbb.ros.node import Newest  # noqa: E402  (only with ROS)
 
 
 def test_the_newest_of_each_sender_is_taken_once():
