@@ -5,7 +5,7 @@ import os
 import pytest
 
 from roah_rsbb.journal import log as logs
-from roah_rsbb.journal.log import Files, Hole, Log, NewerFormat, read, read_chain, scan, scans
+from roah_rsbb.journal.log import Files, Hole, Log, read, read_chain, scan, scans
 
 
 class FailingFiles(Files):
@@ -143,21 +143,6 @@ def test_after_a_failed_fsync_everything_that_is_not_proven_is_written_again(fol
     assert found(folder) == ([1, 2, 3], [], [])
 
 
-def test_a_full_disk_costs_nothing(folder):
-    files = FailingFiles()
-    log = begun(folder, files)
-    files.fails = ("write",)
-    log.append(b"record 1")
-    with pytest.raises(OSError):
-        log.write()
-    log.append(b"record 2")
-    assert (log.last, log.written) == (2, 0)
-    files.fails = ()
-    add(log, 3)
-    log.close()
-    assert found(folder) == ([1, 2, 3], [], [])
-
-
 def test_damage_is_named_by_number(folder):
     log = begun(folder)
     for number in range(1, 8):
@@ -226,25 +211,8 @@ def test_a_lost_segment_is_named(folder, lost, left, hole, problem):
     assert problem in text
 
 
-def test_a_newer_format_is_not_read(folder, monkeypatch):
-    monkeypatch.setattr(logs, "VERSION", logs.VERSION + 1)
-    begun(folder).close()
-    monkeypatch.undo()
-    with pytest.raises(NewerFormat, match="newer version"):
-        read_chain(str(folder))
-
-
 def test_a_draft_that_a_killed_process_left_is_removed(folder):
     begun(folder).close()
     (folder / f"journal-000002-00000001.log{logs.DRAFT}").write_bytes(b"x")
     begun(folder).close()
     assert len(os.listdir(folder)) == 2
-
-
-def test_a_takeover_is_a_segment(folder):
-    log = begun(folder)
-    add(log, 1)
-    log.begin(epoch=2)
-    log.close()
-    assert [segment.head.epoch for segment in read_chain(str(folder)).segments] == [1, 2]
-    assert begun(folder).epoch == 2

@@ -13,11 +13,6 @@ def record(tmp_path):
     return PortRecord(str(tmp_path), lambda work: work())
 
 
-def write(record, text):
-    with open(record.path, "wb") as file:
-        file.write(text)
-
-
 def test_new_competition_has_no_ports(record):
     assert record.read() == (None, [])
 
@@ -36,22 +31,15 @@ def test_a_torn_last_line_hides_nothing(record):
     assert record.read() == (6668, [])
 
 
-def test_an_invalid_port_is_skipped_and_reported(record):
-    write(record, b"6667\nport six\n99999999\n\xff\xfe\n")
-    largest, warnings = record.read()
-    assert largest == 6667
-    assert len(warnings) == 1 and record.path in warnings[0] and "4 lines" in warnings[0]
-
-
-def test_superscript_digits_are_not_a_port(record):
-    write(record, "6667\n²\n".encode())
-    assert record.read()[0] == 6667
-
-
-def test_endless_digits_are_not_a_port(record):
-    """Python refuses to read numbers of more than 4300."""
-    write(record, b"6667\n" + b"9" * 5000)
-    assert record.read()[0] == 6667
+@pytest.mark.parametrize("lines, count", [
+    (b"port six\n99999999\n\xff\xfe", 4), ("²".encode(), 1),
+    (b"9" * 5000, 1),  # Python refuses to read numbers of more than 4300 digits
+])
+def test_lines_that_are_no_ports_are_skipped_and_reported(record, lines, count):
+    with open(record.path, "wb") as file:
+        file.write(b"6667\n" + lines + b"\n")
+    largest, (warning,) = record.read()
+    assert largest == 6667 and record.path in warning and f"{count} lines" in warning
 
 
 def test_a_directory_that_is_gone_is_reported(tmp_path):

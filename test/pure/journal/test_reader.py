@@ -51,6 +51,8 @@ def test_what_is_in_it(writer):
     assert run.outcome["team"] == "Alpha"
     assert reader.run(RECORD.identity) == run
     assert reader.run("another") is None
+    writer.outcome(RECORD._replace(closed_utc=UTC0 + 60.0))
+    assert JournalReader(writer.path).run(RECORD.identity).closed_utc == UTC0 + 60.0
     assert reader.members(RECORD.identity) == [
         JournalMember(6667, RECORD.identity, "Alpha", "r1", "/logs/6667.bag")
     ]
@@ -67,11 +69,6 @@ def test_what_is_in_it(writer):
     assert reader.links(6668) == []
     [session] = reader.sessions()
     assert (session.box_uuid, session.pid) == ("uuid", 1234)
-
-
-def test_a_run_that_is_over(writer):
-    writer.outcome(RECORD._replace(closed_utc=UTC0 + 60.0))
-    assert JournalReader(writer.path).run(RECORD.identity).closed_utc == UTC0 + 60.0
 
 
 def test_while_the_box_writes_it_is_of_one_moment(writer):

@@ -72,41 +72,25 @@ def entries(journal):
     return [(entry.number, *entry[2:]) for entry in JournalReader(journal.path).entries("HNF-6667-1")]
 
 
-def test_data_is_written_before_write_returns(journals):
+def test_data_is_written_before_write_returns_and_the_next_start_continues_from_it(journals):
     journal = journals()
     assert journal.previous == NOTHING
     journal.write(BATCH)
     assert entries(journal) == [(1, *ENTRY)]
     reader = JournalReader(journal.path)
     assert [(member.port, member.log_file) for member in reader.all_members()] == [(6667, "/logs/run.bag")]
-
-
-def test_the_state_from_which_the_next_start_continues(journals):
-    journal = journals()
-    journal.write(BATCH)
-    journal.write(Batch(states={"zone:Home": {"n": 2}}, outcomes={"HNF-6667-1": OutcomeRow(1e9 + 9, {"n": 2})}))
     journal.close()
-    before = journals(mono=9.0).previous
-    assert before.states == {"zone:Home": {"n": 2}}
-    assert before.outcomes == ({"n": 2},)
+    journal = journals(mono=9.0)
+    before = journal.previous
+    assert (before.states, before.outcomes) == ({"zone:Home": {"n": 1}}, ({"n": 1},)), "its run is still connected"
     assert (before.log_files, before.last_port) == ({6667: "/logs/run.bag"}, 6667)
     assert before.last == session(mono=5.0), "with the times of the last record"
-
-
-def test_the_last_record_may_be_one_of_a_link(journals):
-    journal = journals()
-    journal.write(BATCH)
-    journal.write(Batch(links=[LinkRow(6667, 1e9 + 7, 12.0, {})]))
+    journal.write(Batch(states={"zone:Home": {"n": 2}}, outcomes={"HNF-6667-1": OutcomeRow(1e9 + 9, {"n": 2})}))
+    journal.write(Batch(links=[LinkRow(6667, 1e9 + 20, 25.0, {})]))
     journal.close()
-    last = journals().previous.last
-    assert (last.utc, last.mono) == (1e9 + 7, 12.0)
-
-
-def test_the_record_of_a_run_that_is_still_connected_is_there_too(journals):
-    journal = journals()
-    journal.write(BATCH)
-    journal.close()
-    assert journals().previous.outcomes == ({"n": 1},)
+    before = journals(mono=30.0).previous
+    assert (before.states, before.outcomes) == ({"zone:Home": {"n": 2}}, ({"n": 2},))
+    assert (before.last.utc, before.last.mono) == (1e9 + 20, 25.0), "the last record may be one of a link"
 
 
 def test_states_survive_many_differences_and_starts(journals, monkeypatch):
@@ -198,18 +182,6 @@ def test_a_slow_disk_is_reported(journals, monkeypatch):
     monkeypatch.setattr(stores, "SLOW_S", 30.0)
     journal.look()
     assert journal.troubles[-1] == REPAIRED
-
-
-def test_a_full_segment_is_followed_by_the_next_while_the_box_runs(journals, monkeypatch):
-    monkeypatch.setattr(log, "FULL_BYTES", 5000)
-    journal = journals()
-    for number in range(100):
-        ticket = journal.write(dataclasses.replace(BATCH, states={"box": f"{number}" * 500}))
-        if number % 9 == 0:
-            assert journal.why_not_saved(ticket) == ""
-    assert journal.why_not_saved(ticket) == ""
-    assert len(segments(journal)) > 5
-    assert len(records_of(journal)) == 101
 
 
 class FailingFiles(log.Files):
@@ -558,13 +530,6 @@ def test_no_empty_journal_is_begun_beside_a_damaged_one(journals, tmp_path, chan
     assert begun.previous == NOTHING
     kept, = (one for one in path.parent.glob("*_aside_*") if one.is_dir())
     assert contents(kept) == spoiled and str(kept) in begun.warnings[0]
-
-
-def test_a_lost_newest_segment_is_reported(journals, tmp_path):
-    path = _closed(journals, tmp_path)
-    _closed(journals, tmp_path)
-    max(path.glob("*.log")).unlink()
-    assert "the newest segment journal-000002-" in journals().warnings[0]
 
 
 def test_a_core_that_hangs_is_named(journals):

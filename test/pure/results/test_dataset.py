@@ -55,6 +55,10 @@ def test_what_is_written_is_described(journal, tmp_path):
             assert list(row) == [field["name"] for field in resource["schema"]["fields"]]
             for field in resource["schema"]["fields"]:
                 _check(field, row[field["name"]])
+    sums = [line.split("  ") for line in (tmp_path / "set" / "SHA256SUMS").read_text(encoding="utf-8").splitlines()]
+    assert {name for _, name in sums} == {*FILES} - {"SHA256SUMS"}
+    for digest, name in sums:
+        assert hashlib.sha256((tmp_path / "set" / name).read_bytes()).hexdigest() == digest
     readme = (tmp_path / "set" / "README.md").read_text(encoding="utf-8")
     assert all(f"| `{field.name}` | {field.type} | {field.description} |" in readme
                for table in TABLES for field in table.fields)
@@ -71,15 +75,6 @@ def _check(field, cell):
         assert field["type"] == "number" or cell.lstrip("-").isdigit()
     elif field["type"] == "boolean":
         assert cell in ("true", "false")
-
-
-def test_checksums(journal, tmp_path):
-    written(journal, tmp_path / "set")
-    lines = (tmp_path / "set" / "SHA256SUMS").read_text(encoding="utf-8").splitlines()
-    assert len(lines) == len(FILES) - 1
-    for line in lines:
-        digest, name = line.split("  ")
-        assert hashlib.sha256((tmp_path / "set" / name).read_bytes()).hexdigest() == digest
 
 
 def test_the_rows_of_a_run(journal, tmp_path):

@@ -107,9 +107,6 @@ def test_the_events_of_a_run(result):
     assert reported["Home devices and tablet"] == ["dimmer: 40"]
     assert reported["Warnings"] == ["WARNING: No message from the robot for 9 s"]
     assert reported["Other"] == ['something_new: {"a": 1}']
-
-
-def test_what_is_bad_and_who_did_it(result):
     by_title = {section.title: section.events for section in sections(result)}
     assert [(h.bad, h.who) for h in by_title["Referee's commands"]] == [(True, "anna"), (False, "anna")]
     assert by_title["Warnings"][0].bad
