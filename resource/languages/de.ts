@@ -3553,11 +3553,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
-        <source>The run of {code}, team {team}, round {round}, run {run} is not signed off: confirm to leave it</source>
-        <translation>Der Lauf von {code}, Team {team}, Runde {round}, Lauf {run} ist nicht abgeschlossen: Bestätigen Sie, dass Sie ihn verlassen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
         <source>The clock is paused</source>
         <translation>Die Uhr ist angehalten</translation>
     </message>
@@ -3605,11 +3600,6 @@
         <location filename="../../src/roah_rsbb/core/actions/table.py"/>
         <source>Zone &apos;{zone}&apos; is at another event of team {team} now: choose the event first</source>
         <translation>Zone „{zone}“ ist jetzt bei einem anderen Termin von Team {team}: Wählen Sie zuerst den Termin</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/actions/table.py"/>
-        <source>{question}. For another attempt, press the button again and confirm</source>
-        <translation>{question}. Drücken Sie für einen weiteren Versuch noch einmal auf den Knopf, und bestätigen Sie</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/actions/table.py"/>
@@ -4340,6 +4330,16 @@
         <location filename="../../src/roah_rsbb/devices/devices.py"/>
         <source>there is no device {name}, or its value is not a whole number: give one of {names}</source>
         <translation>Es gibt kein Gerät {name}, oder sein Wert ist keine ganze Zahl: Geben Sie eines von {names} an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>{question}. For another attempt, press the button again and confirm</source>
+        <translation>{question}. Drücken Sie für einen weiteren Versuch noch einmal auf den Knopf, und bestätigen Sie</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>The run of {code}, team {team}, round {round}, run {run} is not signed off: confirm to leave it</source>
+        <translation>Der Lauf von {code}, Team {team}, Runde {round}, Lauf {run} ist nicht abgeschlossen: Bestätigen Sie, dass Sie ihn verlassen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>

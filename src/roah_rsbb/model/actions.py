@@ -7,10 +7,10 @@ needs.
 
 import enum
 from dataclasses import dataclass
-from typing import Dict, NamedTuple, Optional, Tuple
+from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.model.fields import Confirmed, EventId, Field, Fixed, Number, Robot, Team, Toggle, TypedText
-from roah_rsbb.model.reason import Said, Template, say
+from roah_rsbb.model.reason import Reason, Said, Template, say
 
 # Roles of paired devices.
 REFEREES, JUDGES = ("referee", "organiser"), ("judge",)
@@ -179,3 +179,15 @@ class Shown(NamedTuple):
     fields: Optional[Tuple[Field, ...]] = None  # as they are now; None: as in `ACTIONS`
     text: str = ""  # what the referee should do, in the words of a module; empty: the action's explanation says it
     question: Said = ""  # asked before it is done, which then gives `Confirmed`; empty: nothing but the action's own
+
+
+# -- what a caller must confirm ---------------------------------------------------------------------
+
+CONFIRM = say("{question}. For another attempt, press the button again and confirm")
+UNSIGNED = say("The run of {code}, team {team}, round {round}, run {run} is not signed off: confirm to leave it")
+
+
+def confirmed_by(reasons: Sequence[str], how: str) -> List[str]:
+    """Return reasons with how a face without buttons begins another attempt."""
+    return [f"{reason.values['question']}. {how}"
+            if isinstance(reason, Reason) and reason.template == CONFIRM else reason for reason in reasons]

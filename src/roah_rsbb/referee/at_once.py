@@ -26,6 +26,8 @@ STOP = "stop"  # the command, and the call
 ALL, ALL_OPTION = ("all", "alle"), "--all"
 # Within this time the box has answered, or the rest of the program sends the STOP.
 LIMIT_S = 1.0
+# The limit of every other call: a busy computer may take seconds.
+ANSWER_S = 6.0
 
 _TEXT_AND_FINAL, _MASKED = 0x81, 0x80
 # No file, no box, a box that is slow, ends, or is of another version.

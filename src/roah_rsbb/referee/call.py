@@ -9,20 +9,22 @@ import sys
 import textwrap
 import threading
 import time
-from typing import Any, Callable, ContextManager, Dict, List, NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, ContextManager, Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.referee import view
 from roah_rsbb.referee.args import PROG
 from roah_rsbb.referee.at_once import Exit
-from roah_rsbb.referee.link import Link
 from roah_rsbb.referee.state import Change, as_json, zone_json
 from roah_rsbb.referee.stopping import Keyboard, StopLine
 from roah_rsbb.referee.words import BadWord, pick_zone
 from roah_rsbb.wording.stop import NOT_DELIVERED_S, leaving
 from roah_rsbb.wording.texts import escaped
 from roah_rsbb.wording.times import Moments
+
+if TYPE_CHECKING:
+    from roah_rsbb.referee.link import Link
 
 # A command that takes longer reads STOP from the keyboard while it waits.
 SLOW_S = 1.0
@@ -119,7 +121,7 @@ def _wrapped(text: str, width: Optional[int], begin: str) -> List[str]:
 class Call(NamedTuple):
     """A command that was typed."""
 
-    link: Link
+    link: "Link"
     options: Any
     output: Output
 

@@ -5,8 +5,7 @@ import contextlib
 import time
 from typing import Any, Dict
 
-from roah_rsbb.core.actions.table import confirmed_by
-from roah_rsbb.model.actions import ACTIONS, AGAIN
+from roah_rsbb.model.actions import ACTIONS, AGAIN, confirmed_by
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import CONNECTED, IDLE, RUNNING, SheetItem
@@ -14,7 +13,6 @@ from roah_rsbb.referee import args, organiser, sheets, view
 from roah_rsbb.referee.args import BY, OF_RUN, ZONE, Commands, TypedCommand, argument, switch
 from roah_rsbb.referee.at_once import ALL_OPTION, Exit, NoCore
 from roah_rsbb.referee.call import Call, Output
-from roah_rsbb.referee.link import Link, NotConfirmed
 from roah_rsbb.referee.run import Operations, RunScript, ScriptOutcome, ScriptPlan
 from roah_rsbb.referee.state import (
     BoxFollower,
@@ -264,6 +262,8 @@ def parser() -> argparse.ArgumentParser:
 
 def carry_out(options: Any, output: Output) -> Exit:
     """Connect to the core and carry out the command."""
+    from roah_rsbb.referee.link import Link, NotConfirmed  # late: help, and completion in bash, need no connection
+
     link, command = Link(), COMMANDS[options.command]
     call = Call(link, options, output)
     link.start()

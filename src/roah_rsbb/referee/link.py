@@ -18,11 +18,11 @@ from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.results import JudgedRun, RunSheet
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import SheetItem
-from roah_rsbb.referee.at_once import ROLE, NoCore, caller_name
+from roah_rsbb.referee.at_once import ANSWER_S, ROLE, NoCore, caller_name
 from roah_rsbb.wording.times import use_zone
 
-# Time limits: for the document, for the answer to a call. A busy computer may take seconds.
-CORE_S, ANSWER_S = 6.0, 6.0
+# The limit for the document. A busy computer may take seconds.
+CORE_S = 6.0
 AGAIN_S = 0.2  # how often an attempt to connect is looked at
 SILENT = "the core is silent: it hangs or has died (restart it), or its computer cannot be reached"
 

@@ -3,8 +3,8 @@
 
 from typing import Any, Dict, List
 
-from roah_rsbb.core.actions.runs import UNSIGNED
 from roah_rsbb.document.calls import PAIR, PAIRED, REVOKE, TEAM_CODES
+from roah_rsbb.model.actions import UNSIGNED
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.referee import view
 from roah_rsbb.referee.args import BY, LEAVING, ZONE, Commands, argument, counted, switch, text, zone
@@ -12,7 +12,6 @@ from roah_rsbb.referee.at_once import Exit
 from roah_rsbb.referee.call import Call
 from roah_rsbb.referee.state import scheduled_json
 from roah_rsbb.referee.words import BadWord, pick
-from roah_rsbb.web import pairing
 from roah_rsbb.wording import schedule
 from roah_rsbb.wording.device import encryption_text, role_text
 from roah_rsbb.wording.texts import escaped
@@ -119,6 +118,8 @@ def _reload_lines(answer: Dict[str, Any]) -> List[str]:
 )
 def _pair(call: Call) -> Exit:
     """Print a code for one device."""
+    from roah_rsbb.web import pairing  # late: no other command needs it
+
     role, output = call.options.role, call.output
     if (role == ORGANISER) != (call.options.zone is None):
         raise BadWord("give the zone of a referee or judge; an organiser has none, because all zones are theirs")

@@ -15,8 +15,7 @@ from roah_rsbb.model.fields import Choice
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, RUNNING, SheetItem, ZoneSeen
-from roah_rsbb.referee.at_once import Exit, NoCore
-from roah_rsbb.referee.link import ANSWER_S
+from roah_rsbb.referee.at_once import ANSWER_S, Exit, NoCore
 from roah_rsbb.referee.state import BoxFollower, Change, asked_in, news
 from roah_rsbb.referee.stopping import Keyboard
 from roah_rsbb.referee.words import (

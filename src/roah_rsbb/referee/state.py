@@ -18,8 +18,8 @@ from roah_rsbb.model.records import ScoreValue
 from roah_rsbb.model.results import EventSeen, RunLine, RunSheet
 from roah_rsbb.model.zone import Event, SheetItem, ZoneSeen
 from roah_rsbb.referee.words import command_of, to_confirm
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.wording import sheets
+from roah_rsbb.wording.public import ALL_TEAMS
 from roah_rsbb.wording.times import clock_lines, clock_of
 
 Json = Dict[str, Any]

@@ -10,9 +10,8 @@ import signal
 import sys
 import threading
 import time
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.client.client import Answer, answer_of
 from roah_rsbb.document.document import Followed
 from roah_rsbb.model.as_json import BadData
 from roah_rsbb.model.document import Document
@@ -22,6 +21,9 @@ from roah_rsbb.referee.at_once import EarlyStop, Exit, is_all
 from roah_rsbb.referee.words import STOPS, BadWord, pick_zone, stop_wanted
 from roah_rsbb.wording.stop import DONE, LOST, NOT_DELIVERED_S, Way, way, way_text
 from roah_rsbb.wording.texts import nearest
+
+if TYPE_CHECKING:
+    from roah_rsbb.client.client import Answer
 
 # How often the way is looked at while nothing happens.
 STEP_S = 1.0
@@ -67,14 +69,14 @@ class ZoneStop:
 
     def send(self, link: Any) -> None:
         """Send it until the core answers."""
-        def take(answer: Answer) -> None:
+        def take(answer: "Answer") -> None:
             self.take(answer)
             link.wake()
 
         self.is_sent = True
         link.stop(self.zone, "", take, FOREVER_S, node=link.node, by=link.referee)
 
-    def take(self, answer: Answer) -> None:
+    def take(self, answer: "Answer") -> None:
         """Take the core's answer."""
         self.is_sent = True
         self.refused, self.number = tuple(answer.reasons), answer.number
@@ -153,13 +155,16 @@ class Stopping:
         self._own_zone = own_zone
         self._before = before
         self._begun_s = time.monotonic() if sent is None else sent.sent_s
-        self._answers = {} if sent is None else {zone: answer_of(one) for zone, one in sent.answers.items()}
+        self._answers: Dict[str, Answer] = {}
         self._zones: Optional[List[ZoneStop]] = None  # None: not known yet
         # In case a zone has exactly this name, it is sent before the zones are known.
         name = "" if self.is_all else word or own_zone
         self._shown: Dict[str, StopLine] = {}
         self._named = ZoneStop(name or (ALL_ZONES if self.is_all else THE_RUN), self._begun_s)
         if sent is not None:
+            from roah_rsbb.client.client import answer_of  # late: help, and completion in bash, need no connection
+
+            self._answers = {zone: answer_of(one) for zone, one in sent.answers.items()}
             followed = Followed(Document)
             with contextlib.suppress(BadData):  # the link says the remedy
                 followed.take(sent.first)

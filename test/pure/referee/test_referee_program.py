@@ -6,7 +6,7 @@ import types
 import pytest
 
 from helpers.referee_box import box, zone
-from roah_rsbb.core.actions.runs import UNSIGNED
+from roah_rsbb.model.actions import UNSIGNED
 from roah_rsbb.model.document import BoxSeen, Document, Public
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.results import EventSeen

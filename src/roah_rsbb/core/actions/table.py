@@ -4,7 +4,7 @@ Every call is checked, recorded and carried out here.
 """
 
 from types import MappingProxyType
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Type
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple, Type
 
 from roah_rsbb.core.actions import modules, runs
 from roah_rsbb.core.actions.base import Given, Parts, ZoneAction
@@ -13,9 +13,9 @@ from roah_rsbb.core.desks import CommandRecord, JudgeDesk, ScoreDesk
 from roah_rsbb.core.effects import Outbox
 from roah_rsbb.core.zones import Zone, Zones
 from roah_rsbb.model import fields
-from roah_rsbb.model.actions import ACTIONS, ENTRIES, EVERY, JUDGE_MARK, JUDGES, MARK, STOP, Shown
+from roah_rsbb.model.actions import ACTIONS, CONFIRM, ENTRIES, EVERY, JUDGE_MARK, JUDGES, MARK, STOP, Shown
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.reason import Reason, Refused, RunName, checked_who, cut_note, say
+from roah_rsbb.model.reason import Refused, RunName, checked_who, cut_note, say
 from roah_rsbb.model.records import By
 from roah_rsbb.scoring.sheet import Mark
 from roah_rsbb.wording.texts import did_you_mean
@@ -31,7 +31,6 @@ NO_ACTION = say("no action '{action}'{hint}")
 NO_TEAM = say("Name the team: the zone may have gone to the event of another one")
 OTHER_TEAM = say("The current event of zone '{zone}' is of team {team}, not of team {named}: choose the event first")
 OTHER_EVENT = say("Zone '{zone}' is at another event of team {team} now: choose the event first")
-CONFIRM = say("{question}. For another attempt, press the button again and confirm")
 OTHER_RUN = say("run {run} is not connected in zone '{zone}'")
 
 
@@ -113,12 +112,6 @@ class Actions:
                 raise Refused(reasons)
             self._outbox.mark_changed(zone.name)
             action.do(now, zone, By(checked_who(who), cut_note(values.get("reason", ""))), values)
-
-
-def confirmed_by(reasons: Sequence[str], how: str) -> List[str]:
-    """Return reasons with how a face without buttons begins another attempt."""
-    return [f"{reason.values['question']}. {how}"
-            if isinstance(reason, Reason) and reason.template == CONFIRM else reason for reason in reasons]
 
 
 def _if_other(found: Tuple[fields.Field, ...], action: ZoneAction) -> Optional[Tuple[fields.Field, ...]]:

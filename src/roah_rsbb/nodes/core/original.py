@@ -6,10 +6,10 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import rospy
 
 from roah_rsbb.box.calls import BoxCalls, full_name
-from roah_rsbb.core.actions.table import NOTHING, Target, confirmed_by
+from roah_rsbb.core.actions.table import NOTHING, Target
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.views import document as views
-from roah_rsbb.model.actions import ACTIONS, MARK, STOP
+from roah_rsbb.model.actions import ACTIONS, MARK, STOP, confirmed_by
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.reason import Refused

@@ -8,10 +8,10 @@ from helpers.competition import competition, event
 from roah_rsbb.core import effects
 from roah_rsbb.core.actions import table
 from roah_rsbb.core.actions.runs import SIGNED_OFF
-from roah_rsbb.core.actions.table import KINDS, Target, confirmed_by
+from roah_rsbb.core.actions.table import KINDS, Target
 from roah_rsbb.core.runs.run import IGNORES_STOP
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.model.actions import ACTIONS, ENTRIES, EVERY
+from roah_rsbb.model.actions import ACTIONS, ENTRIES, EVERY, confirmed_by
 from roah_rsbb.model.reason import Refused, RunName, decoded, encoded
 from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
