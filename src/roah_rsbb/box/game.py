@@ -21,6 +21,7 @@ from roah_rsbb.comm.channels import MakePeer, Network, Seen
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
+from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.core.effects import Effect, Level
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.log_dir import CoreSession, PortRecord, begin_thread
@@ -36,6 +37,7 @@ from roah_rsbb.radio.short_way import Turns
 from roah_rsbb.rulebook.benchmarks import Config, ZonePlan
 from roah_rsbb.run_logs.writer import RunLogWriter
 from roah_rsbb.standby.beside_copy import ahead_of, read_stops
+from roah_rsbb.standby.pairing import read_standby
 from roah_rsbb.wording.texts import escaped
 
 # The answers to a STOP that is not on the disks yet. It has been sent.
@@ -175,6 +177,13 @@ class Game:
     def now(self) -> Now:
         """The present moment on both clocks, for whatever happens next, or looks at the box."""
         return self._turns.now()
+
+    def expect_copies(self, places: Iterable[str]) -> None:
+        """Warn from now on if one of these copies is missing. The computer of a standby that was ever connected may be
+        the box, too, and so may that of the box before, whose copy this is."""
+        standby = read_standby(self._place.log_dir)
+        for place in places:
+            self.box.copies.expect(self.now(), place, place == STANDBY and standby is not None and bool(standby.host))
 
     # -- the course of a core -----------------------------------------------------------------------
 

@@ -104,9 +104,11 @@ class Copies:
         # was reported as not confirmed.
         self._asked = self._answered = self._given_up = 0
 
-    def expect(self, now: Now, place: str) -> None:
-        """Warn from now on if this copy is missing."""
-        self._copies[place] = _Copy(now, is_expected=True)
+    def expect(self, now: Now, place: str, was_complete: bool = False) -> None:
+        """Warn from now on if this copy is missing. `was_complete`: an earlier core had it complete, or copied it from
+        there."""
+        copy = self._copies[place] = _Copy(now, is_expected=True)
+        copy.was_complete = was_complete
 
     def report(self, now: Now, report: CopyReport) -> Optional[str]:
         """Take a report. Return a text to log: a new warning, or empty: the copy is complete again; None: no change."""

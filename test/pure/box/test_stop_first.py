@@ -237,6 +237,21 @@ def test_a_takeover_after_stop_leaves_the_robot_stopped(stage, how, is_frozen):
                if stage.run is not None else stage.box.core.box.finished.records()[-1].stops) == 1
 
 
+@pytest.mark.parametrize("takes_over", [False, True])
+def test_a_robot_that_stopped_after_a_loss_is_not_prepared_while_the_other_computer_may_be_the_box(stage, takes_over):
+    """The other one may have stopped it, though this core has never heard it, and the run began here."""
+    stage = stage(has_standby=True)
+    stage.pass_time(2.0)
+    stage.air.weather["10.0.0.50" if not takes_over else "10.0.0.1"].is_cut = True
+    stage.lose_core(takes_over)
+    stage.execute()
+    stage.robot.crash(0.1)  # as if it was stopped: it reports STOP
+    stage.pass_time(10.0)
+    assert stage.run.is_doubted and stage.robot.state is RobotState.STOP
+    stage.do("continue")
+    stage.until(RobotState.EXECUTING)
+
+
 @pytest.mark.parametrize("is_killed", [False, True])
 @pytest.mark.parametrize("takes_over", [False, True])
 def test_a_robot_that_was_silent_since_a_restart_is_stopped_beside_a_disk_that_hangs(stage, is_killed, takes_over):

@@ -360,13 +360,14 @@ def test_a_goal_that_the_robot_begins_again_counts_from_the_new_request():
     assert modules.outcome().executing_s == pytest.approx(3.0, abs=0.01)
 
 
+@pytest.mark.parametrize("code", [TASK, ALL])
 @pytest.mark.parametrize("restarts", [1, 2])
-def test_a_task_that_ended_while_the_box_was_away(restarts):
-    driver, robot, _ = saved_in(TASK, BoxState.WAITING_RESULT)
+def test_a_task_that_ended_while_the_box_was_away(code, restarts):
+    driver, robot, _ = saved_in(code, BoxState.WAITING_RESULT)
     robot.lives(2.0)
     elapsed_s, box = driver.run_in().clock.elapsed(driver.now), driver
     for _ in range(restarts):
-        box = NextBox(box, TASK, down=4.5)
+        box = NextBox(box, code, down=4.5)
     box.taken_over(robot).says(RobotState.RESULT_TX)
     record = box.run_in().record(box.now)
     assert record.end_reason == "completed" and record.elapsed_s == pytest.approx(elapsed_s, abs=0.01)

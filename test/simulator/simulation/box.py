@@ -105,8 +105,8 @@ class Box:
             RunLogs, outputs, self._ask_standby, world.air.peer_maker(process),
             self._end_superseded, self.memory, self._inform_standby)
         core.on_changed = lambda: self.oracles.happened(self)
-        if self.backup is not None:
-            core.box.copies.expect(core.now(), STANDBY)
+        if self.standby_port:
+            core.expect_copies([STANDBY])
         self.oracles.opened(self, core)
         await core.ask()
         core.resume(lambda versions: {})

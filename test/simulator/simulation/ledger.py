@@ -407,7 +407,7 @@ class Ledger:
     def _check_left_out(self, record, believed):
         """A robot has completed its task while the box was away: these seconds are not counted."""
         counted = min(believed.watch.read(self._world.scheduler.now), believed.event.benchmark.total_timeout)
-        most = counted - self._away_s + CLOCK_S + believed.watch.unsure_s
+        most = max(0.0, counted - self._away_s) + CLOCK_S + believed.watch.unsure_s
         if record.elapsed_s > most and not believed.is_paused and believed.went < self.resumed:
             self._fail("clock", f"{believed.identity} has {record.elapsed_s:.2f} s of {counted:.2f} s, and the box was "
                                 f"away for {self._away_s:.2f} s")

@@ -1,5 +1,6 @@
 """One simulated competition: its seed decides everything."""
 
+import gc
 import logging
 import os
 import pathlib
@@ -183,11 +184,14 @@ def simulate(seed, plan=None, can_wait=True):
     """Run a seed; returns its world. Raises what went wrong, with the world as its attribute `world`."""
     with tempfile.TemporaryDirectory(prefix="simulated_", dir=_memory()) as folder:
         world = World(seed, folder, plan, can_wait)
+        gc.disable()  # one world fits into memory, and a tenth of the time is saved
         try:
             world.run()
         except Exception as error:
             error.world = world
             raise
+        finally:
+            gc.enable()
         journal = pathlib.Path(folder, "log", "roah_rsbb_journal")
         world.journal = {path.name: path.read_bytes() for path in journal.iterdir()}
         return world

@@ -163,8 +163,7 @@ class BoxProgram:
         for warning in self._configuration.notices:
             self.event(self.box.on_notice, warning)
         self._check_log_dir()
-        for place in params.copies:
-            self.box.copies.expect(game.now(), place)
+        game.expect_copies(params.copies)
         self.web = WebParts(loop, settings, self.door, lifeline, make_peer, bridge.address)
         self._copying = CopyingProcess(lambda: copying)
         self._door_files: List[str] = []

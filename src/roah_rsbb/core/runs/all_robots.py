@@ -82,6 +82,7 @@ class MemberRun(Run):
     ) -> None:
         super().__init__(now, assignment, context, state)
         self._whole = whole
+        self.left_out_s = 0.0  # seconds before its end that are not counted, as the box was away
         self.clock, self.state.clock = whole.clock, whole.clock.state
         self.times = RunTimes(NO_RULES, self.state.times)  # the whole run follows the rules
 
@@ -110,6 +111,12 @@ class MemberRun(Run):
         taken = super().on_report(now, host, report, arrival)
         self._whole.on_member_heard(now, self)
         return taken
+
+    def _leave_out_outage(self, now: Now, away_s: float) -> float:
+        """See `Run._leave_out_outage`. The whole run has the outages, and leaves this one out if this robot is the
+        last to end."""
+        self.left_out_s = away_s
+        return away_s
 
     @property
     def settled_at(self) -> int:
@@ -196,7 +203,13 @@ class AllRobotsRun(ZoneRun):
         if self.phase is Phase.RUNNING and is_awaited and not member.why_not_ready(now):
             self.say(now, Level.INFO, f"{member.robot} is ready now, and joins the run")
             member.start(now)
-        self._end_with_the_last(now)
+        self._end_with_the_last(now, member.left_out_s)
+
+    def note_outage(self, now: Now, down_s: float) -> None:
+        """See `ZoneRun`."""
+        super().note_outage(now, down_s)
+        for member in self._in_phase(Phase.RUNNING):
+            member.state.away_s += down_s
 
     # -- the referee --------------------------------------------------------------------------------
 
@@ -246,7 +259,7 @@ class AllRobotsRun(ZoneRun):
             member.tick(now)
         self._end_with_the_last(now)
 
-    def _end_with_the_last(self, now: Now) -> None:
+    def _end_with_the_last(self, now: Now, left_out_s: float = 0.0) -> None:
         if self.phase is not Phase.RUNNING or self._in_phase(Phase.RUNNING):
             return
         ends = [member.end_reason for member in self._in_phase(Phase.ENDED)]
@@ -254,18 +267,18 @@ class AllRobotsRun(ZoneRun):
             self._end(now, EndReason.TIMEOUT)
             self._emit(effects.TimeoutRung(self.zone))
         elif EndReason.COMPLETED in ends:
-            self._end(now, EndReason.COMPLETED)
+            self._end(now, EndReason.COMPLETED, left_out_s=left_out_s)
         else:
             self._end(now, EndReason.NO_MESSAGES_SAVED)
 
-    def _end(self, now: Now, reason: EndReason, by: By = NOBODY) -> None:
+    def _end(self, now: Now, reason: EndReason, by: By = NOBODY, left_out_s: float = 0.0) -> None:
         self._enter(RunEvent.END, reason)
         self._settled_mono = self._hint_mono = now.mono + SETTLE_S
         ends = [member.end_reason for member in self._in_phase(Phase.ENDED)]
         counted = [COUNTED(number=ends.count(end), end=text) for end, text in ENDS.items() if end in ends]
         self.state.desc = WHOLE_END(end=WHOLE_ENDS[reason], counted=joined(counted, ", "))
         self.clock.stop(now)
-        self._note_end(now, self.desc, by)
+        self._note_end(now, self.desc, by, self._leave_out_outage(now, left_out_s))
         self.say(now, Level.INFO, self.desc)
 
     # -- for the referee ------------------------------------------------------------------------------

@@ -368,7 +368,7 @@ class FunctionalityRun(Run):
             self._goal_done(now, goal, result_text(report))
 
     def _goal_done(self, now: Now, goal: RunningGoal, result: str) -> None:
-        seconds = goal.executing_s(now.mono - self._leave_out_outage(now))
+        seconds = goal.executing_s(now.mono - self._leave_out_outage(now, self.state.away_s))
         if result:
             self._emit(effects.RunLogged(self.port, run_log.RESULT, result))
             if self.event.benchmark.profile.result is ResultForm.OBJECT:

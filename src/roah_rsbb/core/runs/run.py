@@ -495,6 +495,15 @@ class ZoneRun(abc.ABC):
         self.book.state.outages.append(Outage(now.utc - down_s, down_s, self._goal_number()))
         self._record_changed(now)
 
+    def _leave_out_outage(self, now: Now, away_s: float) -> float:
+        """A robot has completed its goal or task. `away_s`: for how long the box was away just before: the robot was
+        done at some moment of it, which does not count as its time. Return it."""
+        outages = self.book.state.outages
+        if away_s and outages:
+            outages[-1] = outages[-1]._replace(left_out_s=away_s)
+            self.warn(now, sheets.outage_text(outages[-1]))
+        return away_s
+
     def _goal_number(self) -> int:
         return 0
 
@@ -738,15 +747,6 @@ class Run(ZoneRun):
         self.state.away_s += down_s
         super().note_outage(now, down_s)
 
-    def _leave_out_outage(self, now: Now) -> float:
-        """The robot has completed its goal or task. Return for how long (s) the box was away just before: the robot was
-        done at some moment of it, which does not count as its time."""
-        away_s, outages = self.state.away_s, self.book.state.outages
-        if away_s and outages:
-            outages[-1] = outages[-1]._replace(left_out_s=away_s)
-            self.warn(now, sheets.outage_text(outages[-1]))
-        return away_s
-
     def _look_whether_it_continues(self, now: Now, report: RobotReport) -> None:
         """Take what a robot reports in a doubted run. If it stopped, the box before may have stopped it, so the box
         sends it what it already does, and the referee decides."""
@@ -784,7 +784,7 @@ class Run(ZoneRun):
         elif reaction is Reaction.RETRY:
             self._set_state(now, BoxState.PREPARE, FELL_BACK(state=report.state.name))
         elif reaction is Reaction.GOAL_DONE:
-            left_out_s = 0.0 if self.clock.paused else self._leave_out_outage(now)
+            left_out_s = 0.0 if self.clock.paused else self._leave_out_outage(now, self.state.away_s)
             self._end(now, EndReason.COMPLETED, left_out_s=left_out_s)
 
     def _take_strings(self, now: Now, report: RobotReport) -> bool:
