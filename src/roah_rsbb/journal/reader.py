@@ -142,11 +142,6 @@ class JournalReader:
         """The identities of all runs, in the same order."""
         return [run.row[0] for run in self._ordered()]
 
-    def outlines(self, fields: Sequence[str]) -> List[Tuple[Any, ...]]:
-        """All runs in the same order: identity to opened_utc, then these fields of their outcomes (None: missing)."""
-        found = self._outcomes(lambda outcome: _fields(outcome, fields))
-        return [(*run.row, *found[run.row[0]]) for run in self._ordered()]
-
     def run(self, identity: str) -> Optional[JournalRun]:
         """A run; None if it does not exist."""
         run = self._contents.runs.get(identity)
@@ -266,10 +261,10 @@ class JournalReader:
     def _ordered(self) -> List[RunEntry]:
         return sorted(self._contents.runs.values(), key=lambda run: (run.row[-1], run.row[0]))
 
-    def _outcomes(self, kept: Callable[[Any], Any] = lambda outcome: outcome) -> Dict[str, Any]:
-        """Return what is kept of the records of all runs, by their identities."""
+    def _outcomes(self) -> Dict[str, Any]:
+        """Return the records of all runs, by their identities."""
         with self._reading():
-            return {run.row[0]: kept(self._earlier(run) if outcome is DAMAGED else outcome)
+            return {run.row[0]: self._earlier(run) if outcome is DAMAGED else outcome
                     for run, outcome in self._opened.outcomes(self._contents.runs.values())}
 
     def _outcome(self, run: RunEntry) -> Any:
@@ -366,17 +361,6 @@ class JournalReader:
     def _unreadable(self, error: OSError) -> JournalError:
         return JournalError(
             f"{error.filename or self.path}: cannot be read: {error.strerror}. Its owner can make it readable")
-
-
-def _fields(outcome: Any, fields: Sequence[str]) -> List[Any]:
-    """Return fields of a record; a name with points leads into a part."""
-    found = []
-    for name in fields:
-        value = outcome
-        for part in name.split("."):
-            value = value.get(part) if isinstance(value, dict) else None
-        found.append(value)
-    return found
 
 
 def _remove(state: Any, path: Sequence[str]) -> None:

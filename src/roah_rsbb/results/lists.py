@@ -2,11 +2,11 @@
 
 import os
 from types import MappingProxyType
-from typing import Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.records import RunRecord
-from roah_rsbb.results.runs import RunHead, run_state_text, signature_of, taken_text
+from roah_rsbb.results.runs import run_state_text, signature_of, taken_text
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
 from roah_rsbb.scoring.counting import AttemptsKey, Ruling, Why, attempts_key, event_results
 from roah_rsbb.wording import sheets
@@ -22,7 +22,7 @@ def aligned(rows: Sequence[Sequence[str]]) -> Iterator[str]:
 
 
 def list_lines(
-    records: Sequence[Union[RunHead, RunRecord]], in_utc: bool, counts: Mapping[str, str] = MappingProxyType({})
+    records: Sequence[RunRecord], in_utc: bool, counts: Mapping[str, str] = MappingProxyType({})
 ) -> Iterator[str]:
     """List all runs, one per line, below a line of headings. `counts`: whether they count (`RunResult.counts`), by
     identity."""
@@ -31,7 +31,7 @@ def list_lines(
     return aligned(rows)
 
 
-def _row(number: int, record: Union[RunHead, RunRecord], in_utc: bool, counts: str) -> Tuple[str, ...]:
+def _row(number: int, record: RunRecord, in_utc: bool, counts: str) -> Tuple[str, ...]:
     return (
         str(number), date_time(record.opened_utc, in_utc), one_line(record.zone), one_line(record.benchmark),
         one_line(record.team), str(record.round), str(record.run), taken_text(record),

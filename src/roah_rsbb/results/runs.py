@@ -2,7 +2,7 @@
 
 import re
 from functools import partial
-from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.journal.reader import JournalEntry, JournalReader, JournalRun
 from roah_rsbb.journal.records import ChangesReader
@@ -75,43 +75,6 @@ def records(reader: JournalReader, warn: Callable[[str], None]) -> List[RunRecor
     return [_record(run, warn) for run in reader.runs()]
 
 
-class RunHead(NamedTuple):
-    """What the list of runs shows of a record."""
-
-    identity: str
-    zone: str
-    benchmark: str
-    team: str
-    round: int
-    run: int
-    scheduled: float
-    opened_utc: float
-    started_utc: float
-    closed_utc: float
-    end_reason: str
-    elapsed_s: float
-    sign_off: Optional[float]  # UTC seconds; None: not signed off
-    event: str = ""
-
-    points, items = None, ()  # not read
-
-
-def heads(reader: JournalReader, warn: Callable[[str], None]) -> List[RunHead]:
-    """Return the heads of all runs in the order of connecting. This takes less time than all records."""
-    return [_head(row, warn) for row in reader.outlines(
-        ("started_utc", "closed_utc", "end_reason", "elapsed_s", "sign_off.utc", "event"))]
-
-
-def _head(row: Tuple[Any, ...], warn: Callable[[str], None]) -> RunHead:
-    *run, started, closed, end, took, signed, event = row
-    try:
-        return RunHead(*run, float(started or 0.0), float(closed or 0.0), str(end or ""), float(took or 0.0), signed,
-                       str(event or ""))
-    except (TypeError, ValueError) as error:
-        warn(_unreadable(run[0], error))
-        return RunHead(*run, 0.0, 0.0, "", 0.0, None)
-
-
 def find_record(reader: JournalReader, word: str, warn: Callable[[str], None]) -> Tuple[int, RunRecord]:
     """Return the number and the record of the run that `find` finds. Raises `NotPossible`."""
     known = reader.identities()
@@ -174,19 +137,19 @@ def find(known: Sequence[str], word: str) -> int:
     raise NotPossible(f"there is no run '{word}': {numbers}. 'results list' lists them")
 
 
-def taken_s(record: Union[RunRecord, RunHead]) -> Optional[float]:
+def taken_s(record: RunRecord) -> Optional[float]:
     """Return the counted seconds that a run took. None: it was never started, or is in progress. The journal has the
     time of its last entry then, and only the box knows the time now."""
     return record.elapsed_s if record.started_utc and record.end_reason else None
 
 
-def taken_text(record: Union[RunRecord, RunHead]) -> str:
+def taken_text(record: RunRecord) -> str:
     """Return the time that a run took; `NOTHING`: see `taken_s`."""
     seconds = taken_s(record)
     return NOTHING if seconds is None else elapsed(seconds)
 
 
-def run_state_text(record: Union[RunRecord, RunHead], counts: str = "") -> str:
+def run_state_text(record: RunRecord, counts: str = "") -> str:
     """Return how a run ended, or how far it is. `counts`: whether it counts, see `RunResult`."""
     return with_counting(sheets.run_state(record.started_utc, record.closed_utc, record.end_reason), counts)
 

@@ -255,14 +255,6 @@ def test_a_large_journal_is_checked_where_it_is_read(large, changed, of_run):
     assert len(reader.runs()) == 2 and len(reported) <= 1
 
 
-def test_outlines_and_identities(large):
-    reader = JournalReader(large)
-    assert reader.identities() == [RECORD.identity, OTHER.identity]
-    first, second = reader.outlines(("started_utc", "sign_off.who"))
-    assert first == (*RECORD[:8], None, None)
-    assert second[:1] == (OTHER.identity,)
-
-
 def test_runs_of_many_segments(large, monkeypatch):
     """Only some segments are in memory at the same time."""
     monkeypatch.setattr("roah_rsbb.journal.reader._MOST_LOADED", 1)

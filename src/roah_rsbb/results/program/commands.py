@@ -6,7 +6,7 @@ import glob
 import importlib
 import os
 import sys
-from typing import Dict, Iterable, Iterator, List, Sequence, TypeVar, Union
+from typing import Dict, Iterable, Iterator, List, Sequence
 
 from roah_rsbb.ground.installed import NotShipped, shipped_folder
 from roah_rsbb.journal.log_dir import CONFIGURATION, JOURNAL, kept_files
@@ -14,18 +14,17 @@ from roah_rsbb.journal.reader import JournalError, JournalReader, journal_in
 from roah_rsbb.model import run_log
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results import lists
-from roah_rsbb.results.runs import NotPossible, RunHead, RunResult, find, find_record, heads, records, run_result
+from roah_rsbb.results.runs import NotPossible, RunResult, find, find_record, records, run_result
 from roah_rsbb.rulebook import config, errors
-from roah_rsbb.rulebook.benchmarks import NO_RULES, Benchmark, CountingAttempt
+from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.standing_rules import OfRuns, StandingRules, read_rules
 from roah_rsbb.run_logs.bag import making_bags, missing_bags, write_bag, write_bags
-from roah_rsbb.scoring.counting import NOT_RUN_WORDS, Ruling, RunChoice, Why, attempts_of, rulings, with_events
+from roah_rsbb.scoring.counting import Ruling, RunChoice, Why, rulings, with_events
 from roah_rsbb.wording import times
 from roah_rsbb.wording.texts import visible
 from roah_rsbb.wording.times import date_time
 
-T = TypeVar("T", RunRecord, RunHead)
 RULES_FILE = "standings.yaml"
 BENCHMARKS_FILE, SCHEDULE_FILE = "benchmarks.yaml", "schedule.yaml"
 
@@ -153,18 +152,15 @@ def warn(text: str) -> None:
 
 
 def known_records(options: argparse.Namespace, reader: JournalReader) -> List[RunRecord]:
-    """Return the records of all runs with the ids of their events."""
-    return _with_events(options, records(reader, warn))
-
-
-def _with_events(options: argparse.Namespace, known: Sequence[T]) -> List[T]:
-    """Runs of old journals get the ids of their events from the schedule, if it can be read."""
+    """Return the records of all runs with the ids of their events. Runs of old journals get them from the schedule, if
+    it can be read."""
+    known = records(reader, warn)
     with contextlib.suppress(ConfigErrors):
         return with_events(known, config.load_schedule(file(options, BENCHMARKS_FILE), file(options, SCHEDULE_FILE))[1])
-    return list(known)
+    return known
 
 
-def choice(options: argparse.Namespace, known: Iterable[Union[RunRecord, RunHead]]) -> RunChoice:
+def choice(options: argparse.Namespace, known: Iterable[RunRecord]) -> RunChoice:
     """Return which runs may count, as the options say. Raises ConfigErrors, `NotPossible`."""
     identities = [record.identity for record in known]
     without = tuple(identities[find(identities, word)] for word in getattr(options, "without", ()))
@@ -183,19 +179,10 @@ def why_of(options: argparse.Namespace, known: Sequence[RunRecord]) -> Dict[str,
     return {ruling.record.identity: ruling.why for ruling in ruled(options, known)}
 
 
-def words_of_heads(options: argparse.Namespace, reader: JournalReader, heads: Sequence[RunHead]) -> Dict[str, str]:
+def counts_of(options: argparse.Namespace, known: Sequence[RunRecord]) -> Dict[str, str]:
     """Return whether runs count (`RunResult.counts`), by their identities; nothing if a file of the competition is
-    invalid. Only attempts whose sheets decide it are read whole."""
+    invalid."""
     try:
-        of_events = choice(options, heads).events
-        known: Sequence[Union[RunRecord, RunHead]] = _with_events(options, heads)
-        compared = {
-            head.identity for (code, _, _), attempts in attempts_of(known).items() for head in attempts
-            if head.end_reason in NOT_RUN_WORDS
-            or (len(attempts) > 1 and of_events.get(code, NO_RULES).counting is CountingAttempt.BEST)
-        }
-        known = [find_record(reader, head.identity, warn)[1]._replace(event=head.event)
-                 if head.identity in compared else head for head in known]
         return {identity: why.value for identity, why in why_of(options, known).items()}
     except ConfigErrors as error:
         warn(f"whether runs count is not known, because a file of the competition is invalid: {error.errors[0]}")
@@ -208,11 +195,11 @@ def words_of_heads(options: argparse.Namespace, reader: JournalReader, heads: Se
 def list_runs(options: argparse.Namespace) -> int:
     """The command `list`."""
     reader = open_journal(options, checks_all=False)
-    known = heads(reader, warn)
+    known = known_records(options, reader)
     if not known:
         print("There are no runs yet.")
         return 0
-    counts = words_of_heads(options, reader, known)
+    counts = counts_of(options, known)
     print("\n".join(lists.list_lines(known, options.utc, counts)))
     return 0
 
@@ -223,7 +210,7 @@ def show(options: argparse.Namespace) -> int:
     result = one_run(reader, options.run)
     from roah_rsbb.results.sheet import sheet_lines  # imported late: no other command of this file needs it
 
-    counts = words_of_heads(options, reader, heads(reader, warn))
+    counts = counts_of(options, known_records(options, reader))
     result = result._replace(counts=counts.get(result.record.identity, ""))
     print("\n".join(sheet_lines(result, options.utc, strike=sys.stdout.isatty())))
     return 0

@@ -12,7 +12,7 @@ from typing import Callable, Dict, List, Optional, Sequence, Set, Tuple
 from roah_rsbb.ground.arguments import Parser, called, is_without_ros
 from roah_rsbb.ground.installed import shipped_folder
 from roah_rsbb.journal.reader import JournalError, JournalReader, journal_in
-from roah_rsbb.results.runs import heads
+from roah_rsbb.results.runs import records
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ZonePlan
 from roah_rsbb.rulebook.config import BenchmarksFile, PasswordsFile
@@ -283,7 +283,7 @@ def _ran(directory: str, zones: Sequence[ZonePlan]) -> Set[str]:
     if not os.path.exists(path):
         return set()
     try:
-        return {head.event for head in with_events(heads(JournalReader(path, checks_all=False), print), zones)}
+        return {record.event for record in with_events(records(JournalReader(path, checks_all=False), print), zones)}
     except JournalError as error:
         raise CannotWriteFiles(f"{error}. Which events have results is not known, so the schedule was left as it is") \
             from None

@@ -16,17 +16,14 @@ from helpers.journals import UTC0, Writer, spoil
 from helpers.results_of import EVIL, full_record, keep_files, task_record, write_competition
 from roah_rsbb.journal.contents import superseded_value
 from roah_rsbb.journal.log_dir import JOURNAL
-from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.journal.records import Batch, Kind, OutcomeRow
 from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, PhaseTime, RunRecord, ScoreEntry, ScoreValue
 from roah_rsbb.results import export
 from roah_rsbb.results.export import RESULT_COLUMNS, STANDING_COLUMNS
-from roah_rsbb.results.lists import list_lines
 from roah_rsbb.results.program import files as writing
 from roah_rsbb.results.program import main as program
-from roah_rsbb.results.runs import find_record, heads, records
 from roah_rsbb.rulebook.standing_rules import OfRuns
 from roah_rsbb.wording.texts import visible
 
@@ -68,16 +65,8 @@ def test_list_and_show(run):
     assert run("show", "HNF")[1].startswith("HNF, team Alpha")
 
 
-def test_the_list_of_heads_is_that_of_the_records(journal):
-    reader = JournalReader(journal)
-    known = records(reader, print)
-    assert list(list_lines(heads(reader, print), True)) == list(list_lines(known, True))
-    for number, record in enumerate(known, 1):
-        assert find_record(reader, str(number), print) == (number, record)
-
-
 @pytest.mark.parametrize("change", ({"elapsed_s": "long"}, {"started_utc": [1]}))
-def test_a_head_that_cannot_be_read_costs_only_itself(run, tmp_path, change):
+def test_a_record_that_cannot_be_read_costs_only_itself(run, tmp_path, change):
     writer = Writer(tmp_path)
     record = task_record("A", 1)
     writer.run(record)
