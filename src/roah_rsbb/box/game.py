@@ -68,6 +68,9 @@ class Machine(NamedTuple):
     seen: Optional[Seen] = None  # see `CoreRadio`
     can_wait: bool = True  # see `Turns`
     begin: Callable[[Callable[[], None]], None] = begin_thread  # runs what may wait for the disk
+    make_peer: MakePeer = Peer
+    memory: Memory = NoMemory()  # outside of the process: see `StopNotes`
+    end: Callable[[float, str], None] = end_superseded  # see `Fence`
 
 
 class BoxPlace(NamedTuple):
@@ -86,6 +89,8 @@ class Outputs(NamedTuple):
     set_device: Callable[[effects.SetDevice], None]
     log: Callable[[Level, str], None]  # a line for the program's log
     report_bug: Callable[[str], None]  # within `except`: an internal error, which stops nothing
+    ask_standby: Callable[[int], None]  # through the program that copies the journal: see `StandbyAnswers`
+    inform_standby: Callable[[Mapping[str, str]], object] = lambda stops: None  # see `StopNotes`
 
 
 class _Waiting(NamedTuple):
@@ -106,34 +111,29 @@ class Game:
     def __init__(
         self, loop: asyncio.AbstractEventLoop, machine: Machine, place: BoxPlace, config: Config, version: int,
         settings: Settings, launch: str, open_journal: OpenJournal, ports: PortRecord, make_run_logs: MakeRunLogs,
-        outputs: Outputs, ask_standby: Callable[[int], None], make_peer: MakePeer = Peer,
-        end: Callable[[float, str], None] = end_superseded, memory: Optional[Memory] = None,
-        inform_standby: Callable[[Mapping[str, str]], object] = lambda stops: None,
+        outputs: Outputs,
     ) -> None:
-        """`config` is of this `version` (see `Configuration`). `launch` identifies the launch; empty: none.
-
-        `ask_standby` asks the node that copies the journal: see `StandbyAnswers`. `end`: see `Fence`. `memory` (None:
-        there is none) and `inform_standby`: see `StopNotes`. Raises `DamagedJournal` or OSError.
-        """
+        """`config` is of this `version` (see `Configuration`). `launch` identifies the launch; empty: none. Raises
+        `DamagedJournal` or OSError."""
         self._loop, self._machine, self._place = loop, machine, place
         last_port, port_warnings = ports.read()
         self._turns = Turns(loop, machine.mono, machine.utc, machine.can_wait)
         now = self.now()
         session = CoreSession(now.utc, now.mono, machine.boot_id, machine.pid, machine.uuid, launch)
-        memory = NoMemory() if memory is None else memory
         self.store = open_journal(session, competition(config), self._on_journal_trouble)
         last_ports = last_port or 0, self.store.previous.last_port or 0
         self.box = box = Box(config, settings, beacon_size, max(last_ports), version)
         self.fence = Fence(
             loop, place.log_dir, self.store.path, place.network.rsbb_host, place.network.bind_host, place.standby_port,
             lambda *by: self.event(lambda now: box.supersede(*by)), lambda text: self.event(box.on_trouble, text),
-            machine.running_s, end, make_peer, machine.begin, memory.send)
+            machine.running_s, machine.end, machine.make_peer, machine.begin, machine.memory.send)
         self.radio = CoreRadio(
-            loop, place.network, box, self._turns, lambda text: outputs.log(Level.WARNING, text), make_peer,
+            loop, place.network, box, self._turns, lambda text: outputs.log(Level.WARNING, text), machine.make_peer,
             self.fence.check, machine.random_bytes, machine.seen)
         self.radio.use_passwords(version, config.passwords)
         self.journal = CoreJournal(box, self.store)
-        self._stops, self._channels = StopNotes(memory, inform_standby, machine.boot_id), ChannelNotes(memory)
+        self._stops = StopNotes(machine.memory, outputs.inform_standby, machine.boot_id)
+        self._channels = ChannelNotes(machine.memory)
         self.run_logs = make_run_logs(machine.uuid, self._on_log_trouble, self._on_log_repaired)
         self.on_changed: Callable[[], object] = lambda: None
         """Called when something happened in the box: see `Box.happenings`."""
@@ -168,7 +168,8 @@ class Game:
             **dict.fromkeys((effects.SheetOpened, effects.RecordChanged, effects.Recorded, effects.RunLogged),
                             lambda e: None),
         }
-        self.standby = StandbyAnswers(loop, box, self.now, self.event, ask_standby, lambda: self.store.committed)
+        self.standby = StandbyAnswers(
+            loop, box, self.now, self.event, outputs.ask_standby, lambda: self.store.committed)
         self.radio.on_channels = self._note_channels
         for warning in port_warnings:
             self.event(box.on_notice, warning)

@@ -94,16 +94,17 @@ class Box:
         world, computer = self.world, self.computer
         machine = Machine(
             computer.boot_id, self.starts, f"uuid {computer.name} {self.starts}", computer.mono, computer.utc,
-            computer.mono, world.random_bytes, Seen(SEEN_BITS), world.can_wait, lambda work: work())
+            computer.mono, world.random_bytes, Seen(SEEN_BITS), world.can_wait, lambda work: work(),
+            world.air.peer_maker(process), self.memory, self._end_superseded)
         network = Network(BROADCAST, 6666, computer.host, Cipher.AES_128_CBC, False, 1024)
-        outputs = Outputs(lambda: None, lambda: None, lambda wish: None, self._log, self._bug)
+        outputs = Outputs(lambda: None, lambda: None, lambda wish: None, self._log, self._bug, self._ask_standby,
+                          self._inform_standby)
         ports = PortRecord(self.storage.folder, lambda work: process.loop.call_later(self.storage.sync_s(), work))
         self.memory.begin()
         place = BoxPlace(self.storage.folder, network, self.standby_port)
         core = Game(
             process.loop, machine, place, self.config, 0, self.settings, "", self.storage.open_journal(process), ports,
-            RunLogs, outputs, self._ask_standby, world.air.peer_maker(process),
-            self._end_superseded, self.memory, self._inform_standby)
+            RunLogs, outputs)
         core.on_changed = lambda: self.oracles.happened(self)
         if self.standby_port:
             core.expect_copies([STANDBY])

@@ -177,16 +177,16 @@ class BoxProgram:
     def _new_game(self, launch: str, lock: Optional[Lock], make_peer: MakePeer) -> Game:
         params = self._params
         return Game(
-            self.loop, Machine(boot_id(), os.getpid(), self.uuid, time.monotonic, time.time),
+            self.loop, Machine(boot_id(), os.getpid(), self.uuid, time.monotonic, time.time, make_peer=make_peer,
+                               memory=self.lifeline),
             BoxPlace(params.log_dir, params.network, params.standby_port), self.config, self._configuration.version,
             params.settings, launch,
             lambda session, events, on_trouble: Journal(
                 params.log_dir, session, events, params.resume, on_trouble, lock),
             PortRecord(params.log_dir), functools.partial(RunLogWriter, params.log_dir),
             Outputs(self._ring_timeout, self._publish_module_runs, self._set_device,
-                    lambda level, text: _log.log(_LEVELS[level], "%s", text), self._report_bug),
-            lambda ticket: self._copies.ask(ticket), make_peer, memory=self.lifeline,
-            inform_standby=lambda stops: self._copies.pass_stops(stops))
+                    lambda level, text: _log.log(_LEVELS[level], "%s", text), self._report_bug,
+                    lambda ticket: self._copies.ask(ticket), lambda stops: self._copies.pass_stops(stops)))
 
     @property
     def config(self) -> Config:
