@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import pytest
 
 from helpers.waiting import LIMIT_S, News
+from roah_rsbb.box import door
 from roah_rsbb.box.program import program
 from roah_rsbb.box.program.demo import settings
 from roah_rsbb.box.program.main import serve
@@ -39,9 +40,8 @@ class Demonstration:
         self.air = MemoryAir()
         self.program = box_program(log_dir, self.air, **changes)
         self._changed = News()
-        running = self.program
         loop = asyncio.get_event_loop()
-        self.client = InProcessClient(running.door, loop, loop, self._changed.set, "referee")
+        self.client = InProcessClient(self.program.door, loop, loop, self._changed.set, "referee")
         self.door_file = os.path.join(str(log_dir), "door.json")
         self.asked = False
         self._behaviour = DummyOptions(prepare_duration=0.05, execute_duration=execute_s, seed=1)
@@ -103,6 +103,16 @@ def test_a_task_benchmark_from_the_start_to_its_score(tmp_path):
     results = asyncio.run(play())
     assert [(result.code, result.end_reason) for result in results] == [("HGTKMH", "completed")]
     assert len(list(tmp_path.glob("*.bag"))) == 1
+
+
+def test_clients_are_sent_what_a_robot_does_before_the_next_look(tmp_path, monkeypatch):
+    monkeypatch.setattr(program, "PERIOD_S", LIMIT_S)
+    monkeypatch.setattr(door, "SIGN_S", LIMIT_S)
+
+    async def play():
+        async with Demonstration(tmp_path) as demo:
+            await asyncio.wait_for(demo.begin(), LIMIT_S / 2)
+    asyncio.run(play())
 
 
 def test_a_functionality_benchmark_is_driven_and_scored_by_its_module(tmp_path):
