@@ -230,9 +230,6 @@ def read_logos(folder: str, report: Callable[[str], None]) -> Dict[str, str]:
 class LogoHandler(Guarded):
     """The logo of a team."""
 
-    def initialize(self, server: Any) -> None:
-        self._server = server
-
     def get(self, team: str) -> None:
         """Return the picture. Only files that were found at the start are served."""
         path = self._server.store.logos.get(team, "")

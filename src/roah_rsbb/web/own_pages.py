@@ -73,15 +73,12 @@ class OfDevice(Guarded):
 class FromOwnPage(OfDevice):
     """Takes requests of our own pages only. Answers are JSON, and nobody keeps them."""
 
-    def initialize(self, server: Any) -> None:
-        self._server = server
-        self.body: Dict[str, Any] = {}
-
     def prepare(self) -> None:
         """Refuse requests of other sites, and those that are not JSON objects.
 
         Browsers name the page in everything but GET. A page of another site cannot read the answer to a GET.
         """
+        self.body: Dict[str, Any] = {}
         super().prepare()
         request = self.request
         if request.method not in ("GET", "HEAD") and not is_own_origin(

@@ -28,10 +28,7 @@ class Reader(Guarded, BoundedSocket):
 
     session_id = ""  # of a paired device
     key: Optional[Key] = None  # what a paired device shows, see `Desk.show`
-
-    def initialize(self, server: Any) -> None:
-        self._server = server
-        self._viewer: Optional[Viewer] = None
+    _viewer: Optional[Viewer] = None
 
     @property
     def places(self) -> Any:

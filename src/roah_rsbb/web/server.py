@@ -10,7 +10,7 @@ import pathlib
 import socket
 import ssl
 import time
-from typing import Any, Awaitable, Callable, FrozenSet, Iterable, List, Mapping, Optional, Set
+from typing import Any, Awaitable, Callable, Dict, FrozenSet, Iterable, List, Mapping, Optional, Set, Tuple, Type
 
 from tornado import web
 
@@ -107,28 +107,8 @@ class WebServer:
         self._timer: Optional[asyncio.TimerHandle] = None
         self._listening: List[socket.socket] = []
         shared = {"server": self}
-        pages = {**shared, "folder": pathlib.Path(folder)}
         application = web.Application(
-            [
-                (rf"/api/v1/({'|'.join(DATA)})", DataHandler, shared),
-                (r"/api/v1/events", EventsHandler, shared),
-                (r"/api/v1/pair", PairHandler, shared),
-                (r"/api/v1/session", SessionHandler, shared),
-                (r"/api/v1/commands/([a-z_]+)", CommandHandler, shared),
-                (r"/api/v1/device", DeviceEventsHandler, shared),
-                (r"/api/v1/stop", StopEventsHandler, shared),
-                (r"/api/v1/displays", DisplaysHandler, shared),
-                (r"/api/v1/pairings", PairingsHandler, shared),
-                (r"/api/v1/codes", CodesHandler, shared),
-                (r"/logos/([^/]+)", LogoHandler, shared),
-                (r"/api/v1/teams/([^/]+)", TeamHandler, shared),
-                (r"/api/v1/schemas/([a-z]+\.json)", SchemaHandler,
-                 {**shared, "path": os.path.join(folder, "schemas")}),
-                (r"/assets/(.*)", FileHandler, {**shared, "path": os.path.join(folder, "assets")}),
-                (r"/()", PageHandler, pages),
-                (rf"/({'|'.join(PAGES)})", PageHandler, pages),
-                (r"/(team)/[^/]+", PageHandler, pages),
-            ],
+            [(rf"/{path}", handler, {**shared, **more}) for path, handler, more in _routes(folder)],
             compress_response=True,
             websocket_max_message_size=MAX_MESSAGE_BYTES, websocket_ping_interval=_PING_S,
             default_handler_class=MissingHandler, default_handler_args=shared,
@@ -280,9 +260,6 @@ async def _no_answer(_command: Command) -> Outcome:
 class PlainHandler(Guarded):
     """Answers requests without TLS where the pages are encrypted."""
 
-    def initialize(self, server: WebServer) -> None:
-        self._server = server
-
     def prepare(self) -> None:
         """Send browsers to the encrypted address. Nothing that they send counts."""
         super().prepare()
@@ -296,9 +273,6 @@ class PlainHandler(Guarded):
 class MissingHandler(Guarded):
     """Answers all other addresses."""
 
-    def initialize(self, server: WebServer) -> None:
-        self._server = server
-
     def prepare(self) -> None:
         """Refuse the request."""
         super().prepare()
@@ -309,7 +283,7 @@ class PageHandler(OfDevice):
     """A page. Its parameters are for its script: the server does not read them."""
 
     def initialize(self, server: WebServer, folder: pathlib.Path) -> None:
-        self._server = server
+        super().initialize(server)
         self._folder = folder
 
     def get(self, name: str) -> None:
@@ -338,9 +312,6 @@ class SchemaHandler(FileHandler):
 class DataHandler(Guarded):
     """A document of data. Pages of all sites may read it: it is public."""
 
-    def initialize(self, server: WebServer) -> None:
-        self._server = server
-
     def set_default_headers(self) -> None:
         super().set_default_headers()
         set_headers(self, {**_OPEN_TO_READ, "Cache-Control": "max-age=1"})
@@ -366,3 +337,20 @@ class DataHandler(Guarded):
     def compute_etag(self) -> Optional[str]:
         """Keep the ETag that `get` has set."""
         return None
+
+
+def _routes(folder: str) -> List[Tuple[str, Type[web.RequestHandler], Dict[str, Any]]]:
+    """Return the handler of each address, with what it needs. `folder`: the files of the pages."""
+    page = {"folder": pathlib.Path(folder)}
+    return [
+        *((rf"api/v1/{path}", handler, {}) for path, handler in (
+            (f"({'|'.join(DATA)})", DataHandler), ("events", EventsHandler), ("device", DeviceEventsHandler),
+            ("stop", StopEventsHandler), ("commands/([a-z_]+)", CommandHandler), ("pair", PairHandler),
+            ("session", SessionHandler), ("pairings", PairingsHandler), ("displays", DisplaysHandler),
+            ("codes", CodesHandler), ("teams/([^/]+)", TeamHandler),
+        )),
+        (r"api/v1/schemas/([a-z]+\.json)", SchemaHandler, {"path": os.path.join(folder, "schemas")}),
+        ("assets/(.*)", FileHandler, {"path": os.path.join(folder, "assets")}),
+        ("logos/([^/]+)", LogoHandler, {}),
+        ("()", PageHandler, page), (f"({'|'.join(PAGES)})", PageHandler, page), ("(team)/[^/]+", PageHandler, page),
+    ]

@@ -291,7 +291,9 @@ def _remedy(error: OSError, port: int, name: str) -> str:
 class Guarded(web.RequestHandler):
     """A handler that only answers requests for this computer, and not too many of them."""
 
-    _server: Any  # a WebServer
+    def initialize(self, server: Any) -> None:
+        """`server`: that of the pages, which has its names, its limits and a clock."""
+        self._server = server
 
     def prepare(self) -> None:
         """Refuse what no browser in the hall would ask."""
@@ -323,8 +325,8 @@ class FileHandler(Guarded, web.StaticFileHandler):
     """The files of the pages."""
 
     def initialize(self, server: Any, path: str, default_filename: Optional[str] = None) -> None:
-        self._server = server
-        super().initialize(path, default_filename)
+        Guarded.initialize(self, server)
+        web.StaticFileHandler.initialize(self, path, default_filename)
 
     def set_extra_headers(self, path: str) -> None:
         self.set_header("Cache-Control", "no-cache")
