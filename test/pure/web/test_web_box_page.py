@@ -1,13 +1,11 @@
 """The parts of the page of the whole box: what they show, to whom, and how much at most; and what organisers ask."""
 
 import json
-import pathlib
-import uuid
 
 import pytest
-from tornado import httpclient, websocket
+from tornado import httpclient
 
-from helpers.http_clients import HOST, HttpClients
+from helpers.served_pages import GERMAN, ServedPages
 from helpers.shown_box import MONO, NOW, ShownBox, zone_of
 from roah_rsbb.document.calls import PAIR, PAIRED, REVOKE
 from roah_rsbb.model.document import RobotSeen, TabletSeen
@@ -28,14 +26,10 @@ from roah_rsbb.web.device_documents import (
     may_show,
     whole_sheet_page,
 )
-from roah_rsbb.web.own_pages import COOKIE
 from roah_rsbb.web.pairing import DeviceSession, Grant
 from roah_rsbb.web.public_documents import Store
-from roah_rsbb.web.server import WebServer
 from roah_rsbb.wording.whole_box import AWAY
 
-FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
-GERMAN = {"de": lambda text, n: f"auf Deutsch: {text}"}
 ORGANISER, REFEREE, JUDGE = Grant("organiser", ""), Grant("referee", "Home"), Grant("judge", "Home")
 RUNNING = RunClock(600.0, Count(10.0, MONO))
 
@@ -287,16 +281,13 @@ def test_a_referee_reaches_no_other_zone(name, body):
 # -- on real loopback sockets -----------------------------------------------------------------------
 
 
-class Served(HttpClients):
+class Served(ServedPages):
     """A server with devices, and calls for pairing that answer as the test says."""
 
     def __init__(self, running):
-        self.running, self.asked, self.refusal = running, [], []
-        self.server = WebServer(running.loop, Store(ShownBox(zone_of(), zone_of("Hall")), GERMAN), FOLDER, frozenset(),
-                                command=self.carry_out,
-                                calls={name: self.call(name) for name in (PAIR, PAIRED, REVOKE)})
-        self.port = self.server.open(HOST, 0)
-        self.commands = []
+        self.commands, self.asked, self.refusal = [], [], []
+        super().__init__(running, ShownBox(zone_of(), zone_of("Hall")), command=self.carry_out,
+                         calls={name: self.call(name) for name in (PAIR, PAIRED, REVOKE)})
 
     async def carry_out(self, command):
         self.commands.append(command)
@@ -315,59 +306,49 @@ class Served(HttpClients):
             return answers[name]
         return answer
 
-    def headers(self, grant):
-        token = self.server.sessions.add(self.server.utc(), grant, uuid.uuid4().hex, "laptop") if grant else ""
-        return {"Origin": f"http://{HOST}:{self.port}", "Content-Type": "application/json",
-                "Cookie": f"{COOKIE}={token}"}
-
-    def ask(self, path, body=None, grant=ORGANISER):
-        return self.get(path, headers=self.headers(grant), method="GET" if body is None else "POST",
-                        body=None if body is None else json.dumps(body))
-
-    def device(self, grant, query):
-        request = httpclient.HTTPRequest(f"ws://{HOST}:{self.port}/api/v1/device?{query}", headers=self.headers(grant))
-        return self.running.do(websocket.websocket_connect(request))
+    def asks(self, path, body=None, role="organiser"):
+        return self.ask(path, body, token=role and self.token(role))
 
 
-PAIRINGS = "/api/v1/pairings"
+PAIRINGS = "pairings"
 
 
-@pytest.mark.parametrize("grant, code", [(None, 401), (REFEREE, 403), (JUDGE, 403), (ORGANISER, 200)])
-def test_pairings_are_for_organisers(served, grant, code):
+@pytest.mark.parametrize("role, code", [("", 401), ("referee", 403), ("judge", 403), ("organiser", 200)])
+def test_pairings_are_for_organisers(served, role, code):
     for body in (None, {"role": "referee", "zone": "Home"}, {"end": "7"}):
-        assert served.ask(PAIRINGS, body, grant).code == code
+        assert served.asks(PAIRINGS, body, role).code == code
     assert len(served.asked) == (3 if code == 200 else 0)
 
 
 def test_an_organiser_pairs_lists_and_ends(served):
-    (listed,) = json.loads(served.ask(PAIRINGS).body)["devices"]
+    (listed,) = json.loads(served.asks(PAIRINGS).body)["devices"]
     assert (listed["person"], listed["role"], listed["seen"], listed["is_own"]) == (
         "Anna", "Referee in Home", "connected", False)
-    assert json.loads(served.ask(f"{PAIRINGS}?language=de").body)["devices"][0]["seen"] == "auf Deutsch: connected"
-    made = json.loads(served.ask(PAIRINGS, {"role": "referee", "zone": "Home"}).body)
+    assert json.loads(served.asks(f"{PAIRINGS}?language=de").body)["devices"][0]["seen"] == "auf Deutsch: connected"
+    made = json.loads(served.asks(PAIRINGS, {"role": "referee", "zone": "Home"}).body)
     assert made["code"] == "ABCD-EFGH" and "not encrypted" in made["encryption"]
     assert made["square"] is None or {*"".join(made["square"])} == {"0", "1"}
-    assert served.ask(PAIRINGS, {"end": "7"}).code == 200
+    assert served.asks(PAIRINGS, {"end": "7"}).code == 200
     assert served.asked[2:] == [(PAIR, {"role": "referee", "zone": "Home"}), (REVOKE, {"device": "7"})]
     served.refusal = ["no zone 'Rom'"]
-    refused = served.ask(PAIRINGS, {"role": "referee", "zone": "Rom"})
+    refused = served.asks(PAIRINGS, {"role": "referee", "zone": "Rom"})
     assert (refused.code, json.loads(refused.body)) == (409, {"reasons": ["no zone 'Rom'"]})
-    assert served.ask(PAIRINGS, {"role": 7}).code == 400
+    assert served.asks(PAIRINGS, {"role": 7}).code == 400
 
 
 def test_a_part_is_sent_to_who_may_see_it(served):
-    message = json.loads(served.running.do(served.device(ORGANISER, "zone=Hall&part=runs").read_message()))
+    message = served.read(served.opened("device?zone=Hall&part=runs", served.token("organiser")))
     assert message["documents"]["part.runs"]["data"] in (None, {"hidden": 0, "runs": []})
-    for grant, query in ((JUDGE, "part=runs"), (REFEREE, "part=overview"), (REFEREE, "zone=Hall&part=runs"),
-                         (ORGANISER, "part=secrets")):
+    for role, query in (("judge", "part=runs"), ("referee", "part=overview"), ("referee", "zone=Hall&part=runs"),
+                        ("organiser", "part=secrets")):
         with pytest.raises(httpclient.HTTPClientError, match="403"):
-            served.device(grant, query)
+            served.opened(f"device?{query}", served.token(role))
 
 
 def test_the_answer_to_a_reload_lists_the_changes(served):
-    answer = served.ask("/api/v1/commands/reload", {"digest": ""})
+    answer = served.asks("commands/reload", {"digest": ""})
     assert (answer.code, json.loads(answer.body)["changes"]) == (200, ["x"])
-    assert served.ask("/api/v1/commands/reload", {"digest": ""}, REFEREE).code == 403
+    assert served.asks("commands/reload", {"digest": ""}, "referee").code == 403
     assert [one.name for one in served.commands] == ["reload"]
 
 

@@ -2,27 +2,24 @@
 
 import asyncio
 import json
-import pathlib
 import threading
 
 import pytest
-from tornado import httpclient, websocket
+from tornado import httpclient
 
-from helpers.http_clients import HOST, HttpClients
 from helpers.public_box import PublicBox
+from helpers.served_pages import ServedPages
 from roah_rsbb.model.results import DIFFER, Given, JudgedItem, JudgedRun, Judging, RunLine, RunSheet
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.web.commands import FIELDS, BadCommand, Outcome, command_of, may
 from roah_rsbb.web.displays import Displays
 from roah_rsbb.web.limits import Rates
 from roah_rsbb.web.own_pages import COOKIE
-from roah_rsbb.web.pairing import SESSION_VALID_S, DeviceSession, Grant, Sessions
-from roah_rsbb.web.public_documents import Store
+from roah_rsbb.web.pairing import SESSION_VALID_S, DeviceSession, Grant
 from roah_rsbb.web.readers import MOST_STOPS, DeviceEventsHandler, EventsHandler, Reader
 from roah_rsbb.web.server import NOT_PAIRED, WebServer
 from roah_rsbb.web.teams import TeamCodes
 
-FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
 MARK = {"zone": "Home", "identity": "run", "id": "1", "group": "g", "desc": "d", "added": "1"}
 
 
@@ -33,7 +30,6 @@ def session(role="referee", zone="Home", person="Anna"):
 # -- who may do what --------------------------------------------------------------------------------
 
 
-GERMAN = {"de": lambda text, n: f"auf Deutsch: {text}"}
 OF_JUDGES = {"judge_mark", "submit"}
 OF_ALL = sorted(set(FIELDS) | {"mark"})
 
@@ -103,50 +99,33 @@ def test_unknown_fields_are_left_out():
 # -- on real loopback sockets -----------------------------------------------------------------------
 
 
-class Served(HttpClients):
+class Served(ServedPages):
     """A server whose core answers as the test says, and devices."""
 
     def __init__(self, running):
-        self.running = running
-        self.commands = []
-        self.outcome = Outcome(result={"number": 3})
-        self.saved = []
+        self.commands, self.outcome = [], Outcome(result={"number": 3})
         self.is_free, self.hanging = threading.Event(), 0
         self.is_free.set()
-        self.sessions = Sessions(self.save)
-        store = Store(PublicBox(), GERMAN)
-        self.server = WebServer(running.loop, store, FOLDER, frozenset(), self.sessions, self.carry_out,
-                                displays=Displays(self.save, {"ab" * 16: {}}), team_codes=TeamCodes(self.save, {}))
-        self.port = self.server.open(HOST, 0)
-        self.origin = f"http://{HOST}:{self.port}"
+        super().__init__(running, PublicBox(), command=self.carry_out, displays=Displays(self.save, {"ab" * 16: {}}),
+                         team_codes=TeamCodes(self.save, {}))
 
     def save(self, content):
         if not self.is_free.is_set():
             self.hanging += 1
             self.is_free.wait(5.0)  # the disk hangs
-        self.saved.append(content)
+        super().save(content)
 
     async def carry_out(self, command):
         self.commands.append(command)
         return self.outcome
 
-    def token(self, role="referee", zone="Home"):
-        person = f"Anna {len(self.sessions.listed(0.0))}"
-        return self.sessions.add(self.server.utc(), Grant(role, zone), person, "iPhone")
-
     def send(self, name, body, token="", **headers):
-        headers = {"Origin": self.origin, "Content-Type": "application/json", "Cookie": f"{COOKIE}={token}", **headers}
-        return self.get(f"/api/v1/commands/{name}", method="POST", headers=headers, body=json.dumps(body))
-
-    def device(self, token, query="", path="device", **headers):
-        headers = {"Origin": self.origin, "Cookie": f"{COOKIE}={token}", **headers}
-        request = httpclient.HTTPRequest(f"ws://{HOST}:{self.port}/api/v1/{path}{query}", headers=headers)
-        return self.running.do(websocket.websocket_connect(request))
+        return self.ask(f"commands/{name}", body, token=token, **headers)
 
 
 def test_who_acts_is_sent_changes_before_spectators(served, monkeypatch):
-    served.running.do(websocket.websocket_connect(f"ws://{HOST}:{served.port}/api/v1/events"))
-    served.device(served.token())
+    served.opened("events")
+    served.opened("device", served.token())
     served.running.until(lambda: len(served.server.viewers) == len(served.server.devices) == 1)
     order = []
     monkeypatch.setattr(Reader, "send_next", lambda reader, now, made=None: order.append(type(reader)))
@@ -230,7 +209,7 @@ def stopped(served, device, number, **body):
     """Send a STOP; returns the answer to it."""
     device.write_message(json.dumps({"number": number, "zone": "Home", "identity": "run", **body}))
     while True:
-        answer = json.loads(served.running.do(device.read_message()))
+        answer = served.read(device)
         if answer["type"] == "answer" and answer["number"] == number:
             return answer
 
@@ -239,7 +218,7 @@ def stopped(served, device, number, **body):
     (Outcome(), 200), (Outcome(("No run",)), 409), (Outcome(is_known=False), 504)])
 def test_stop_needs_no_new_connection(served, outcome, code):
     served.outcome = outcome
-    answer = stopped(served, served.device(served.token(), path="stop"), 7)
+    answer = stopped(served, served.opened("stop", served.token()), 7)
     assert answer["status"] == code and bool(answer.get("reasons")) == (code != 200)
     assert [(one.name, one.zone, one.fields) for one in served.commands] == [("stop", "Home", {"identity": "run"})]
 
@@ -272,20 +251,20 @@ def test_a_stop_waits_for_no_other_stop(served):
         return await waits if len(late) == 1 else Outcome()
 
     served.server.command = carry_out
-    device = served.device(served.token("organiser", ""), path="stop")
+    device = served.opened("stop", served.token("organiser", ""))
     device.write_message(json.dumps({"number": 1, "zone": "Home"}))
     assert stopped(served, device, 2, zone="Hall")["status"] == 200 and late == ["Home", "Hall"]
     waits.set_result(Outcome())
-    assert json.loads(served.running.do(device.read_message()))["number"] == 1
+    assert served.read(device)["number"] == 1
 
 
 def test_a_stop_that_the_role_does_not_allow_is_refused_there_too(served):
     for token, body, code in ((served.token(), {"zone": "Hall"}, 403), (served.token("judge"), {}, 403),
                               (served.token(), {"identity": 5}, 400)):
-        answer = stopped(served, served.device(token, path="stop"), 1, language="de", **body)
+        answer = stopped(served, served.opened("stop", token), 1, language="de", **body)
         assert answer["status"] == code and answer["reasons"][0].startswith("auf Deutsch: ")
     token = served.token()
-    device = served.device(token, path="stop")
+    device = served.opened("stop", token)
     served.sessions.revoke("")  # and before its connection is closed
     assert stopped(served, device, 1)["status"] == 401
     assert served.commands == []
@@ -294,10 +273,9 @@ def test_a_stop_that_the_role_does_not_allow_is_refused_there_too(served):
 @pytest.mark.parametrize("message", ["hello", "[1]", "7", '{"number": true}', '{"zone": "Home"}', "[" * 1000,
                                      '{"number": 1, "language": {}}', "x" * 5000])
 def test_nothing_but_stop_is_taken_there(served, message):
-    device = served.device(served.token(), path="stop")
+    device = served.opened("stop", served.token())
     device.write_message(message)
-    while served.running.do(device.read_message()) is not None:
-        pass
+    assert served.is_closed(device)
     assert served.commands == []
 
 
@@ -309,11 +287,10 @@ def test_stops_without_answers_do_not_pile_up(served):
         return await waits
 
     served.server.command = carry_out
-    device = served.device(served.token(), path="stop")
+    device = served.opened("stop", served.token())
     for number in range(MOST_STOPS + 1):
         device.write_message(json.dumps({"number": number, "zone": "Home"}))
-    while served.running.do(device.read_message()) is not None:
-        pass
+    assert served.is_closed(device)
     assert len(begun) == MOST_STOPS and device.close_code == 1008
     waits.set_result(Outcome())
     served.running.turn()
@@ -327,35 +304,33 @@ def test_stops_without_answers_do_not_pile_up(served):
 ])
 def test_only_paired_devices_of_our_pages_see_the_zone(served, query, headers, code):
     with pytest.raises(httpclient.HTTPError) as raised:
-        served.device(served.token(), query, **headers)
+        served.opened(f"device{query}", served.token(), **headers)
     assert raised.value.code == code
     assert len(served.server.devices) == 0
 
 
 def test_a_page_of_another_scheme_sees_no_zone(served):
     with pytest.raises(httpclient.HTTPError) as raised:
-        served.device(served.token(), Origin=f"https://127.0.0.1:{served.port}")
+        served.opened("device", served.token(), Origin=f"https://127.0.0.1:{served.port}")
     assert raised.value.code == 403
 
 
 def test_a_device_is_shown_its_zone_until_its_pairing_ends(served):
     token = served.token()
-    device = served.device(token)
-    message = json.loads(served.running.do(device.read_message()))
+    device = served.opened("device", token)
+    message = served.read(device)
     assert set(message["documents"]) == {"page.words", "page.device_words", "page.zones", "page.zone", "page.clock"}
     assert served.server.connected() == {served.sessions.listed(served.server.utc())[0].id}
     served.server.revoke("")
-    while served.running.do(device.read_message()) is not None:
-        pass
+    assert served.is_closed(device)
     assert device.close_code == NOT_PAIRED
 
 
 def test_a_device_whose_pairing_has_become_too_old_is_shown_nothing_more(served, monkeypatch):
-    device = served.device(served.token())
+    device = served.opened("device", served.token())
     late = served.server.utc() + SESSION_VALID_S + 1.0
     monkeypatch.setattr(WebServer, "utc", staticmethod(lambda: late))
-    while served.running.do(device.read_message()) is not None:
-        pass
+    assert served.is_closed(device)
     assert device.close_code == NOT_PAIRED
 
 
@@ -366,21 +341,20 @@ def test_texts_in_any_script_arrive(served):
 
 @pytest.mark.parametrize("message", ["hello", "x" * 5000], ids=["short", "long"])
 def test_a_device_that_speaks_is_closed_alone(served, message):
-    bad, good = served.device(served.token()), served.device(served.token())
+    bad, good = served.opened("device", served.token()), served.opened("device", served.token())
     bad.write_message(message)
-    while served.running.do(bad.read_message()) is not None:
-        pass
+    assert served.is_closed(bad)
     served.running.until(lambda: len(served.server.devices) == 1)
-    assert json.loads(served.running.do(good.read_message()))["type"] == "snapshot"
+    assert served.read(good)["type"] == "snapshot"
 
 
 def test_spectators_take_no_places_of_devices(served):
-    device = served.device(served.token())
+    device = served.opened("device", served.token())
     served.server.viewers._most = 1
     for _ in range(3):
-        served.running.do(websocket.websocket_connect(f"ws://{HOST}:{served.port}/api/v1/events"))
+        served.opened("events")
     assert len(served.server.viewers) == 1 and len(served.server.devices) == 1
-    assert json.loads(served.running.do(device.read_message()))["type"] == "snapshot"
+    assert served.read(device)["type"] == "snapshot"
 
 
 # -- several judges -----------------------------------------------------------------------------------

@@ -2,14 +2,11 @@
 
 import json
 import os
-import pathlib
-import uuid
 
 import pytest
-from tornado import websocket
 
-from helpers.http_clients import HOST, HttpClients
-from helpers.public_box import PublicBox, event, run
+from helpers.http_clients import HOST
+from helpers.served_pages import ServedPages
 from roah_rsbb.ground.kept_file import SavedBeside, open_kept
 from roah_rsbb.web.displays import (
     FILE,
@@ -26,12 +23,8 @@ from roah_rsbb.web.displays import (
     read_logos,
     setting_of,
 )
-from roah_rsbb.web.own_pages import COOKIE
-from roah_rsbb.web.pairing import MAX_NAME, Grant
-from roah_rsbb.web.public_documents import Store
-from roah_rsbb.web.server import WebServer
+from roah_rsbb.web.pairing import MAX_NAME
 
-FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
 UTC = 1_800_000_000.0
 
 
@@ -111,8 +104,8 @@ def test_a_setting_that_cannot_be_saved_counts_until_a_restart(served):
     def fails(_records):
         raise OSError("full")
     served.displays.kept = SavedBeside(fails)
-    served.opened()
-    answer = served.ask({"id": id_of(1), "setting": {"show": "run"}, "language": "de"})
+    served.shown()
+    answer = served.asked({"id": id_of(1), "setting": {"show": "run"}, "language": "de"})
     assert answer.code == 500 and json.loads(answer.body)["reasons"][0].startswith("auf Deutsch: The setting cannot be")
     assert served.displays.setting(id_of(1)).show == "run"
 
@@ -157,47 +150,35 @@ def test_a_damaged_file_is_moved_aside(tmp_path, content):
 # -- on real loopback sockets -----------------------------------------------------------------------
 
 
-class Served(HttpClients):
+class Served(ServedPages):
     """A server, its displays, and an organiser."""
 
     def __init__(self, running):
-        self.running = running
-        self.store = Store(PublicBox([run()], [event()]), {"de": lambda text, n: f"auf Deutsch: {text}"})
         self.kept = []
         self.displays = Displays(self.kept.append, {})
-        self.server = WebServer(running.loop, self.store, FOLDER, frozenset({"localhost"}), displays=self.displays)
-        self.port = self.server.open(HOST, 0)
+        super().__init__(running, displays=self.displays)
 
-    def cookie(self, role):
-        zone = "" if role == "organiser" else "Home"
-        return self.server.sessions.add(self.server.utc(), Grant(role, zone), uuid.uuid4().hex, "phone")
-
-    def ask(self, body=None, role="organiser", **headers):
-        headers = {"Origin": f"http://{HOST}:{self.port}", "Content-Type": "application/json", **headers}
-        if role:
-            headers["Cookie"] = f"{COOKIE}={self.cookie(role)}"
-        return self.get("/api/v1/displays", headers=headers, method="GET" if body is None else "POST",
-                        body=None if body is None else json.dumps(body))
+    def asked(self, body=None, role="organiser", **headers):
+        return self.ask("displays", body, token=role and self.token(role), **headers)
 
     def listed(self):
-        return json.loads(self.ask().body)["displays"]
+        return json.loads(self.asked().body)["displays"]
 
-    def opened(self, number=1, more="&name=Hall&zone=Home"):
-        return self.running.do(websocket.websocket_connect(
-            f"ws://{HOST}:{self.port}/api/v1/events?documents=page.words&language=en&page=display"
-            f"&display={id_of(number)}&size=1920x1080{more}"))
+    def shown(self, number=1, more="&name=Hall&zone=Home"):
+        return self.opened(f"events?documents=page.words&language=en&page=display&display={id_of(number)}"
+                           f"&size=1920x1080{more}")
 
-    def read(self, connection):
+    def as_set(self, connection):
         """What the organiser has set, as the display gets it."""
         while True:
-            documents = json.loads(self.running.do(connection.read_message())).get("documents", {})
+            documents = self.read(connection).get("documents", {})
             if "page.display" in documents:
                 return documents["page.display"]["data"]
 
 
 def test_a_display_is_listed_and_gets_what_is_set(served):
-    window = served.opened()
-    assert served.read(window) == {
+    window = served.shown()
+    assert served.as_set(window) == {
         "name": "Hall", "zone": None, "show": None, "language": None, "shows_name": False}
     (row,) = served.listed()
     assert (row["name"], row["is_set"]) == ("Hall", False)
@@ -205,52 +186,52 @@ def test_a_display_is_listed_and_gets_what_is_set(served):
     assert (shown["page"], shown["address"], shown["size"], shown["zones"], shown["show"], shown["language"]) == (
         "display", HOST, "1920x1080", ["Home"], "rotating", "en")
     assert abs(shown["since"] - served.server.utc()) < 60.0
-    assert served.ask({"id": id_of(1), "setting": {"zone": "", "show": "run", "language": "de"}}).code == 200
-    assert served.read(window) == {"name": "Hall", "zone": "", "show": "run", "language": "de", "shows_name": False}
+    assert served.asked({"id": id_of(1), "setting": {"zone": "", "show": "run", "language": "de"}}).code == 200
+    assert served.as_set(window) == {"name": "Hall", "zone": "", "show": "run", "language": "de", "shows_name": False}
     assert served.kept == [{id_of(1): {"zone": "", "show": "run", "language": "de", "called": "Hall"}}]
-    assert served.ask({"id": id_of(1), "setting": {"show": "results"}}).code == 200
-    assert served.read(window) == {"name": "Hall", "zone": "", "show": "results", "language": "de", "shows_name": False}
-    assert served.ask({"id": id_of(1), "take_back": True}).code == 200
-    assert served.read(window)["show"] is None
+    assert served.asked({"id": id_of(1), "setting": {"show": "results"}}).code == 200
+    assert served.as_set(window) == {"name": "Hall", "zone": "", "show": "results", "language": "de", "shows_name": False}
+    assert served.asked({"id": id_of(1), "take_back": True}).code == 200
+    assert served.as_set(window)["show"] is None
 
 
 def test_what_is_set_for_a_display_is_for_no_other(served):
-    first, second = served.opened(1), served.opened(2, "")
-    served.ask({"id": id_of(1), "setting": {"show": "run"}})
-    served.ask({"id": id_of(2), "setting": {"show": "results"}})
-    assert served.read(first)["show"] is None and served.read(first)["show"] == "run"
-    assert served.read(second)["show"] is None and served.read(second)["show"] == "results"
+    first, second = served.shown(1), served.shown(2, "")
+    served.asked({"id": id_of(1), "setting": {"show": "run"}})
+    served.asked({"id": id_of(2), "setting": {"show": "results"}})
+    assert served.as_set(first)["show"] is None and served.read_set(first)["show"] == "run"
+    assert served.as_set(second)["show"] is None and served.read_set(second)["show"] == "results"
 
 
 def test_a_display_that_is_closed_leaves_the_list(served):
-    window = served.opened()
-    served.read(window)
+    window = served.shown()
+    served.as_set(window)
     window.close()
     served.running.until(lambda: not served.displays.rows())
-    again = served.opened()
-    assert served.read(again)["name"] == "Hall"
+    again = served.shown()
+    assert served.as_set(again)["name"] == "Hall"
 
 
 def test_displays_show_their_names_for_a_moment(served, monkeypatch):
     monkeypatch.setattr("roah_rsbb.web.displays.NAMED_S", 0.0)
-    window = served.opened()
-    assert served.read(window)["shows_name"] is False
+    window = served.shown()
+    assert served.as_set(window)["shows_name"] is False
     monkeypatch.setattr("roah_rsbb.web.displays.NAMED_S", 0.05)
-    assert served.ask({"show_names": True}).code == 200
-    assert [served.read(window)["shows_name"] for _ in range(2)] == [True, False]
+    assert served.asked({"show_names": True}).code == 200
+    assert [served.as_set(window)["shows_name"] for _ in range(2)] == [True, False]
 
 
 @pytest.mark.parametrize("role, code", [("", 401), ("referee", 403), ("judge", 403), ("organiser", 200)])
 def test_the_list_is_for_organisers(served, role, code):
-    window = served.opened()
-    served.read(window)
-    assert served.ask(role=role).code == code
-    assert served.ask({"id": id_of(1), "setting": {"show": "run"}}, role=role).code == code
+    window = served.shown()
+    served.as_set(window)
+    assert served.asked(role=role).code == code
+    assert served.asked({"id": id_of(1), "setting": {"show": "run"}}, role=role).code == code
     assert (served.displays.setting(id_of(1)).show == "run") == (role == "organiser")
 
 
 def test_pages_of_other_sites_set_nothing(served):
-    assert served.ask({"show_names": True}, Origin="https://evil.example").code == 403
+    assert served.asked({"show_names": True}, Origin="https://evil.example").code == 403
 
 
 @pytest.mark.parametrize("body, code", [
@@ -258,8 +239,8 @@ def test_pages_of_other_sites_set_nothing(served):
     ({"id": 5, "setting": {}}, 400), ({"id": id_of(1), "setting": [5]}, 400),
 ])
 def test_wrong_settings_are_refused(served, body, code):
-    served.read(served.opened())
-    assert served.ask(body).code == code
+    served.as_set(served.shown())
+    assert served.asked(body).code == code
     assert served.kept == []
 
 

@@ -1,38 +1,30 @@
 """The gateway's web server on real loopback sockets: pages, data, live data, and its defences."""
 
 import json
-import pathlib
 import re
 import socket
 from base64 import b64encode
 from hashlib import sha256
 
 import pytest
-from tornado import httpclient, websocket
+from tornado import httpclient
 
-from helpers.http_clients import BROKEN_REQUESTS, HOST, HttpClients
+from helpers.http_clients import BROKEN_REQUESTS, HOST
 from helpers.public_box import PublicBox, event, result, run
+from helpers.served_pages import FOLDER, NAMES, ServedPages
 from roah_rsbb.web import limits, serving
 from roah_rsbb.web.limits import Places, Rates
 from roah_rsbb.web.numbered import Viewer
-from roah_rsbb.web.public_documents import Store
 from roah_rsbb.web.server import BEAT_S, LOOK_S, WebServer
 
-FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
-NAMES = frozenset({"localhost", "box.local"})
-LANGUAGES = {"de": lambda text, n: f"auf Deutsch: {text}"}
 
+class Served(ServedPages):
+    """A server whose box changes as the test says, and readers."""
 
-class Served(HttpClients):
-    """A server, its store, and clients of it."""
+    steps = 0
 
     def __init__(self, running):
-        self.running = running
-        self.box = PublicBox()
-        self.store = Store(self.box, LANGUAGES)
-        self.server = WebServer(running.loop, self.store, FOLDER, NAMES)
-        self.port = self.server.open(HOST, 0)
-        self.steps = 0
+        super().__init__(running, PublicBox())
 
     def change(self, size=1):
         """The core publishes another state."""
@@ -42,16 +34,7 @@ class Served(HttpClients):
         self.server.follow()
 
     def viewer(self, query="", **headers):
-        request = httpclient.HTTPRequest(f"ws://{HOST}:{self.port}/api/v1/events{query}", headers=headers)
-        return self.running.do(websocket.websocket_connect(request))
-
-    def read(self, viewer, kind=None):
-        """The next message; with `kind`: the next of this kind."""
-        while True:
-            text = self.running.do(viewer.read_message())
-            message = text if text is None else json.loads(text)
-            if kind is None or message is None or message["type"] == kind:
-                return message
+        return self.opened(f"events{query}", **headers)
 
     def silent_viewer(self):
         """A reader that asks and then never reads."""
@@ -208,8 +191,7 @@ def test_a_reader_that_speaks_is_closed_alone(served, message):
     bad, good = served.viewer("?documents=state"), served.viewer("?documents=state")
     served.read(good)
     bad.write_message(message)
-    while served.read(bad) is not None:
-        pass
+    assert served.is_closed(bad)
     served.change()
     assert served.read(good, "change")
     assert len(served.server.viewers) == 1

@@ -2,28 +2,22 @@
 
 import asyncio
 import json
-import pathlib
-import uuid
 from urllib.parse import quote
 
 import pytest
 
-from helpers.http_clients import HOST, HttpClients
 from helpers.public_box import PublicBox, event, result, run, standing
+from helpers.served_pages import ServedPages
 from helpers.shown_box import MONO, NOW, zone_of
 from roah_rsbb.ground.kept_file import open_kept
 from roah_rsbb.model.document import RobotSeen
 from roah_rsbb.model.results import EventSeen
 from roah_rsbb.model.zone import RobotInRun
-from roah_rsbb.web.own_pages import COOKIE
-from roah_rsbb.web.pairing import GUESSES_AT_ONCE, Grant
-from roah_rsbb.web.public_documents import Store
-from roah_rsbb.web.server import WebServer
+from roah_rsbb.web.pairing import GUESSES_AT_ONCE
 from roah_rsbb.web.teams import ALL, CODE, FILE, TeamCodes
 from roah_rsbb.web.teams import COOKIE as TEAM_COOKIE
 from roah_rsbb.wording.public import team_facts
 
-FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
 TEAM = "Team & Söhne 100%"
 
 
@@ -125,31 +119,19 @@ def test_the_next_event_with_its_estimated_time():
 # -- on real loopback sockets -----------------------------------------------------------------------
 
 
-class Served(HttpClients):
+class Served(ServedPages):
     """A server whose core was heard just now."""
 
     def __init__(self, running):
-        self.running = running
-        self.box = box()
-        self.box.publish([run()], [event(team=TEAM)], [result("Beta"), result("Gamma", signed=False)], [standing()])
-        self.store = Store(self.box, {"de": lambda text, n: f"auf Deutsch: {text}"})
-        self.server = WebServer(running.loop, self.store, FOLDER, frozenset({"localhost"}))
-        self.port = self.server.open(HOST, 0)
-
-    def ask(self, path, body=None, cookie="", **headers):
-        headers = {"Origin": f"http://{HOST}:{self.port}", "Content-Type": "application/json", "Cookie": cookie,
-                   **headers}
-        return self.get(path, headers=headers, method="GET" if body is None else "POST",
-                        body=None if body is None else json.dumps(body))
+        heard = box()
+        heard.publish([run()], [event(team=TEAM)], [result("Beta"), result("Gamma", signed=False)], [standing()])
+        super().__init__(running, heard)
 
     def team(self, name=TEAM, **how):
-        return self.ask(f"/api/v1/teams/{quote(name, safe='')}", **how)
+        return self.ask(f"teams/{quote(name, safe='')}", **how)
 
-    def facts(self, name=TEAM, cookie=""):
-        return json.loads(self.team(name, cookie=cookie).body)
-
-    def paired(self, role, zone=""):
-        return f"{COOKIE}={self.server.sessions.add(self.server.utc(), Grant(role, zone), uuid.uuid4().hex, 'phone')}"
+    def facts(self, name=TEAM, **how):
+        return json.loads(self.team(name, **how).body)
 
 
 def test_the_code_of_the_team_shows_its_robot_and_no_other(served):
@@ -160,9 +142,9 @@ def test_the_code_of_the_team_shows_its_robot_and_no_other(served):
     assert "HttpOnly" in cookie and "SameSite=Strict" in cookie
     cookie = cookie.partition(";")[0]
     assert cookie.startswith(TEAM_COOKIE)
-    found = served.facts(cookie=cookie)
+    found = served.facts(Cookie=cookie)
     assert found["is_allowed"] and found["facts"][0] == "The box hears R1, last 2 s ago"
-    assert served.facts("Other", cookie=cookie) == {"is_allowed": False, "facts": None}
+    assert served.facts("Other", Cookie=cookie) == {"is_allowed": False, "facts": None}
 
 
 def test_the_organisers_may_show_it_to_all(served):
@@ -173,7 +155,7 @@ def test_the_organisers_may_show_it_to_all(served):
 
 
 def test_paired_devices_see_every_team(served):
-    assert served.facts(cookie=served.paired("referee", "Home"))["is_allowed"]
+    assert served.facts(token=served.token())["is_allowed"]
 
 
 def test_a_silent_box_is_not_known_to_hear_anything(served):
@@ -192,30 +174,30 @@ def test_wrong_codes_are_refused_and_limited(served):
     assert [answer.code for answer in answers] == [403] * int(GUESSES_AT_ONCE) + [429]
     assert json.loads(answers[0].body)["reasons"] == ["auf Deutsch: This code is wrong"]
     assert served.team(body={"code": served.server.team_codes.code(TEAM)}).code == 429
-    pairing = served.ask("/api/v1/pair", body={"code": "AAAA-AAAA", "person": "Anna"})
+    pairing = served.ask("pair", body={"code": "AAAA-AAAA", "person": "Anna"})
     assert pairing.code == 403, "referees can still pair"
 
 
 @pytest.mark.parametrize("path", ["x" * 101, "%ff" * 101])
 def test_names_are_bounded(served, path):
-    assert served.ask(f"/api/v1/teams/{path}").code in (400, 404)
+    assert served.ask(f"teams/{path}").code in (400, 404)
 
 
 def test_organisers_see_the_codes_of_all_teams(served):
     over = EventSeen("e9", 1, "Lab", "HWV", "Visitors", "Delta", 1, 1, NOW, NOW, "skipped", False)
     served.box.document = served.box.document._replace(schedule={over.id: over})
-    answer = served.ask("/api/v1/codes", cookie=served.paired("organiser"))
+    answer = served.ask("codes", token=served.token("organiser"))
     found = {line["team"]: line["code"] for line in json.loads(answer.body)["codes"]}
     assert set(found) == {"Alpha", "Beta", "Delta", "Gamma", TEAM}
     assert found[TEAM] == served.server.team_codes.code(TEAM)
-    renewed = served.ask("/api/v1/codes", body={}, cookie=served.paired("organiser"))
+    renewed = served.ask("codes", body={}, token=served.token("organiser"))
     assert json.loads(renewed.body)["codes"] != json.loads(answer.body)["codes"]
 
 
 @pytest.mark.parametrize("role, code", [("referee", 403), ("judge", 403), (None, 401)])
 def test_the_codes_are_for_organisers(served, role, code):
-    cookie = served.paired(role, "Home") if role else ""
-    assert served.ask("/api/v1/codes", cookie=cookie).code == code
+    token = served.token(role) if role else ""
+    assert served.ask("codes", token=token).code == code
     before = served.server.team_codes.code(TEAM)
-    assert served.ask("/api/v1/codes", body={}, cookie=cookie).code == code
+    assert served.ask("codes", body={}, token=token).code == code
     assert served.server.team_codes.code(TEAM) == before

@@ -2,51 +2,28 @@
 
 import contextlib
 import json
-import pathlib
 import socket
 
 import pytest
 
-from helpers.http_clients import HOST, HttpClients
-from helpers.public_box import PublicBox, event, run
+from helpers.http_clients import HOST
+from helpers.served_pages import ServedPages
 from roah_rsbb.ground.kept_file import SavedBeside
 from roah_rsbb.web import limits, serving
 from roah_rsbb.web.own_pages import COOKIE, is_own_origin
-from roah_rsbb.web.pairing import GUESSES_AT_ONCE, Grant, NotPaired, Sessions
-from roah_rsbb.web.public_documents import Store
-from roah_rsbb.web.server import WebServer
-
-FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
-NAMES = frozenset({"localhost"})
+from roah_rsbb.web.pairing import GUESSES_AT_ONCE, Grant, NotPaired
 
 
-class Served(HttpClients):
+class Served(ServedPages):
     """A server, and a device that sends requests to it."""
 
-    def __init__(self, running):
-        self.running = running
-        self.store = Store(PublicBox([run()], [event()]), {"de": lambda text, n: f"auf Deutsch: {text}"})
-        self.saved = []
-        self.sessions = Sessions(self.saved.append)
-        self.server = WebServer(running.loop, self.store, FOLDER, NAMES, self.sessions)
-        self.port = self.server.open(HOST, 0)
-        self.origin = f"http://{HOST}:{self.port}"
-
-    def send(self, path, body=None, method="POST", cookie="", **headers):
-        headers = {"Origin": self.origin, "Content-Type": "application/json", **headers}
-        if cookie:
-            headers["Cookie"] = f"{COOKIE}={cookie}"
-        headers = {name: value for name, value in headers.items() if value is not None}
-        data = body if isinstance(body, (bytes, str)) else json.dumps(body)
-        return self.get(path, method=method, headers=headers, body=data if method == "POST" else None)
-
-    def code(self, role="referee", zone="Home"):
-        return self.server.codes.make(self.server.now(), Grant(role, zone)).typed
+    def code(self, role="referee"):
+        return self.server.codes.make(self.server.now(), Grant(role, "Home")).typed
 
     def pair(self, person="Anna", **how):
-        return self.send("/api/v1/pair", {"code": self.code(), "person": person, "device": "iPhone"}, **how)
+        return self.ask("pair", {"code": self.code(), "person": person, "device": "iPhone"}, **how)
 
-    def token(self, person="Anna"):
+    def paired(self, person="Anna"):
         return self.pair(person).headers["Set-Cookie"].partition("=")[2].partition(";")[0]
 
     def asking(self, token):
@@ -71,7 +48,7 @@ class Served(HttpClients):
 
 
 def session(served, token):
-    return served.send("/api/v1/session", method="GET", cookie=token)
+    return served.ask("session", token=token)
 
 
 def test_a_code_gives_a_cookie_that_no_script_reads(served):
@@ -85,37 +62,37 @@ def test_a_code_gives_a_cookie_that_no_script_reads(served):
 
 
 def test_the_cookie_is_the_session(served):
-    token = served.token()
+    token = served.paired()
     found = json.loads(session(served, token).body)
     assert (found["person"], found["device"], found["zone"]) == ("Anna", "iPhone", "Home")
     assert session(served, "").code == session(served, token[:-1]).code == 401
 
 
 def test_a_pairing_that_is_ended_counts_no_more(served):
-    first, second = served.token(), served.token("Bert")
+    first, second = served.paired(), served.paired("Bert")
     served.server.revoke(json.loads(session(served, first).body)["id"])
     assert (session(served, first).code, session(served, second).code) == (401, 200)
-    assert served.send("/api/v1/session", method="DELETE", cookie=second).code == 204
+    assert served.ask("session", method="DELETE", token=second).code == 204
     assert session(served, second).code == 401
 
 
 def test_a_device_that_is_paired_again_has_one_session(served):
-    token = served.token()
-    served.pair(cookie=token)
+    token = served.paired()
+    served.pair(token=token)
     assert len(served.sessions.listed(served.server.utc())) == 1
     assert session(served, token).code == 401
 
 
 def test_a_wrong_code_is_refused_in_the_reader_s_language(served):
-    answer = served.send("/api/v1/pair", {"code": "AAAA-AAAA", "person": "Anna", "language": "de"})
+    answer = served.ask("pair", {"code": "AAAA-AAAA", "person": "Anna", "language": "de"})
     assert answer.code == 403
     assert json.loads(answer.body)["reasons"][0].startswith("auf Deutsch: This code is wrong")
 
 
 def test_without_a_name_the_code_is_not_used_up(served):
     code = served.code()
-    assert served.send("/api/v1/pair", {"code": code, "person": " "}).code == 403
-    assert served.send("/api/v1/pair", {"code": code, "person": "Anna"}).code == 200
+    assert served.ask("pair", {"code": code, "person": " "}).code == 403
+    assert served.ask("pair", {"code": code, "person": "Anna"}).code == 200
 
 
 def test_a_pairing_that_cannot_be_saved_is_refused_and_its_code_can_be_used_again(served):
@@ -123,19 +100,19 @@ def test_a_pairing_that_cannot_be_saved_is_refused_and_its_code_can_be_used_agai
         raise OSError("disk full")
     code, kept = {"code": served.code(), "person": "Anna", "language": "de"}, served.sessions.kept
     served.sessions.kept = SavedBeside(fails)
-    answer = served.send("/api/v1/pair", code)
+    answer = served.ask("pair", code)
     assert answer.code == 403 and json.loads(answer.body)["reasons"][0].startswith("auf Deutsch: The pairing cannot be")
     assert not served.sessions.listed(served.server.utc())
     served.sessions.kept = kept
-    assert served.send("/api/v1/pair", code).code == 200
+    assert served.ask("pair", code).code == 200
 
 
 @pytest.mark.parametrize("given, status", [("typed", 429), ("link", 200)])
 def test_guesses_keep_out_a_typed_code_and_no_link(served, given, status):
     code = served.server.codes.make(served.server.now(), Grant("referee", "Home"))._asdict()[given]
-    codes = [served.send("/api/v1/pair", {"code": "x", "person": "Eve"}).code for _ in range(int(GUESSES_AT_ONCE))]
+    codes = [served.ask("pair", {"code": "x", "person": "Eve"}).code for _ in range(int(GUESSES_AT_ONCE))]
     assert set(codes) == {403}
-    assert served.send("/api/v1/pair", {"code": code, "person": "Eve"}).code == status
+    assert served.ask("pair", {"code": code, "person": "Eve"}).code == status
 
 
 def test_a_phone_can_be_paired_while_a_hundred_addresses_guess(served):
@@ -153,7 +130,7 @@ def few_connections(monkeypatch):
 
 
 def test_a_paired_phone_stays_connected_and_connects_beside_many_hostile_addresses(few_connections, served):
-    asked, hostile = served.asking(served.token()), []
+    asked, hostile = served.asking(served.paired()), []
     phone = socket.create_connection((HOST, served.port))
     assert asked(phone)
     for n in range(20):
@@ -174,7 +151,7 @@ def test_a_paired_phone_stays_connected_and_connects_beside_many_hostile_address
 
 
 def test_a_paired_phone_that_needs_a_new_connection_is_served_before_those_who_wait(served, monkeypatch):
-    token = served.token()
+    token = served.paired()
     session(served, token)
     order, handle = [], serving.BoundedServer.handle_stream
 
@@ -196,7 +173,7 @@ def test_a_paired_phone_that_needs_a_new_connection_is_served_before_those_who_w
 def test_the_connection_of_a_paired_phone_stays_open_when_it_is_idle(running, monkeypatch):
     monkeypatch.setattr(serving, "IDLE_S", 0.3)
     served = Served(running)
-    asked, phone = served.asking(served.token()), socket.create_connection((HOST, served.port))
+    asked, phone = served.asking(served.paired()), socket.create_connection((HOST, served.port))
     assert asked(phone)
     assert served.raw(b"") == b"", "one that came later is closed"
     assert asked(phone)
@@ -213,9 +190,9 @@ def test_two_judges_cannot_have_one_name(served):
     """The second would read, change and submit the sheet of the first."""
     code = served.code("judge")
     assert served.pair().code == 200
-    refused = served.send("/api/v1/pair", {"code": code, "person": "anna", "device": "iPad"})
+    refused = served.ask("pair", {"code": code, "person": "anna", "device": "iPad"})
     assert refused.code == 403 and "The name anna is in use" in json.loads(refused.body)["reasons"][0]
-    assert served.send("/api/v1/pair", {"code": code, "person": "Anne"}).code == 200, "it used no code up"
+    assert served.ask("pair", {"code": code, "person": "Anne"}).code == 200, "it used no code up"
 
 
 @pytest.mark.parametrize("headers", [
@@ -223,9 +200,9 @@ def test_two_judges_cannot_have_one_name(served):
     {"Origin": "http://127.0.0.1:1"}, {"Sec-Fetch-Site": "cross-site"}, {"Sec-Fetch-Site": "same-site"},
 ])
 def test_pages_of_other_sites_are_refused(served, headers):
-    token = served.token()
+    token = served.paired()
     assert served.pair(**headers).code == 403
-    assert served.send("/api/v1/session", method="DELETE", cookie=token, **headers).code == 403
+    assert served.ask("session", method="DELETE", token=token, **headers).code == 403
     assert session(served, token).code == 200
 
 
@@ -255,7 +232,7 @@ def test_forms_are_refused(served, kind):
     '{"code": {"a": 1}, "person": "x"}', '{"person": ["x"]}',
 ])
 def test_bodies_that_are_wrong_are_refused(served, body):
-    answer = served.send("/api/v1/pair", body)
+    answer = served.ask("pair", body)
     assert answer.code in (400, 403) and b"Traceback" not in answer.body
 
 
@@ -268,9 +245,9 @@ def test_bodies_are_small(served):
     assert served.pair().code == 200
 
 
-@pytest.mark.parametrize("path", ["/api/v1/pair", "/api/v1/session"])
+@pytest.mark.parametrize("path", ["pair", "session"])
 def test_other_sites_may_not_ask_whether_they_may_write(served, path):
-    answer = served.send(path, method="OPTIONS", Origin="https://evil.example")
+    answer = served.ask(path, method="OPTIONS", Origin="https://evil.example")
     assert answer.code in (403, 405)
     assert "Access-Control-Allow-Origin" not in answer.headers
 
