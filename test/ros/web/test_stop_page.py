@@ -121,6 +121,14 @@ class PhoneCase(NeedsBrowser):
         self.addCleanup(self._close, page)
         return page
 
+    def running(self, zones: int = 1, size: Tuple[int, int] = PHONE) -> Tuple[FakeGateway, Page]:
+        """A gateway in whose first zone a run is in progress, and a phone on which STOP is on."""
+        gateway = self.gateway(zones)
+        gateway.set(phase="running")
+        page = self.phone(gateway, size)
+        page.wait(IS_ON, "STOP is on")
+        return gateway, page
+
     @staticmethod
     def _close(page: Page) -> None:
         with contextlib.suppress(RuntimeError):  # it is closed already
@@ -198,9 +206,7 @@ class TestStopInEveryState(PhoneCase):
         self.assertEqual(gateway.given, [])
 
     def test_a_phone_with_a_keyboard_on_its_screen_or_an_enlarged_page(self) -> None:
-        gateway = self.gateway()
-        gateway.set(phase="running")
-        page = self.phone(gateway)
+        gateway, page = self.running()
         page.command("Emulation.setPageScaleFactor", pageScaleFactor=2)
         bar = "document.querySelector('.stopbar').getBoundingClientRect()"
         page.wait("visualViewport.scale === 2 && "
@@ -226,9 +232,7 @@ class TestFaults(PhoneCase):
                 page.close()
 
     def test_a_script_of_the_page_is_lost(self) -> None:
-        gateway = self.gateway()
-        gateway.set(phase="running")
-        page = self.phone(gateway)
+        gateway, page = self.running()
         page.command("Network.setBlockedURLs", urls=["*/preact-htm.js"])
         page.reload(ignoreCache=True)
         page.wait(f"document.querySelector('.run') === null && {IS_ON}",
@@ -281,10 +285,7 @@ class TestFaults(PhoneCase):
         self.stops(gateway, page)
 
     def test_a_document_of_stop_that_cannot_be_made(self) -> None:
-        gateway = self.gateway()
-        gateway.set(phase="running")
-        page = self.phone(gateway)
-        page.wait(f"{IS_ON}", "STOP is on")
+        gateway, page = self.running()
         with mock.patch.object(device_documents, "stop_page", side_effect=TypeError("broken")):
             gateway.set(warning="Something new")
             page.wait(f"{SAID}.includes('NO LINK')", "it does not know")
@@ -323,10 +324,7 @@ class TestWays(PhoneCase):
 
     def test_an_answer_takes_back_what_is_still_on_its_way(self) -> None:
         """A late STOP must not stop a run that the referee has continued."""
-        gateway = self.gateway()
-        gateway.set(phase="running")
-        page = self.phone(gateway)
-        page.wait(f"{IS_ON}", "STOP is on")
+        gateway, page = self.running()
         page.get("""window.realFetch = fetch, window.realSend = WebSocket.prototype.send,
             window.realTimeout = setTimeout, window.setTimeout = (act, ms) => ms < 6000 ? realTimeout(act, ms) : 0,
             WebSocket.prototype.send = function (text) { window.arrive = () => (realSend.call(this, text), 0); },
@@ -340,10 +338,7 @@ class TestWays(PhoneCase):
         page.wait("signal.aborted", "the request has ended")
 
     def test_a_stop_outlives_its_page(self) -> None:
-        gateway = self.gateway()
-        gateway.set(phase="running")
-        page = self.phone(gateway)
-        page.wait(f"{IS_ON}", "STOP is on")
+        gateway, page = self.running()
         page.get(f"{self.NO_CONNECTION}, 0")
         gateway.given.clear()
         page.touch_at(STOP)
@@ -351,10 +346,7 @@ class TestWays(PhoneCase):
         gateway.wait_given("stop", "Home A")
 
     def test_a_late_answer_counts_more_than_a_refusal(self) -> None:
-        gateway = self.gateway()
-        gateway.set(phase="running")
-        page = self.phone(gateway)
-        page.wait(f"{IS_ON}", "STOP is on")
+        gateway, page = self.running()
         page.get(f"{self.NO_CONNECTION}, 0")
         page.get("""window.asked = [], window.realFetch = fetch,
             window.fetch = (path, ...how) => path.endsWith("/stop") ? new Promise(done => asked.push(done))
@@ -378,10 +370,7 @@ class TestWays(PhoneCase):
         self.assertEqual(page.get("asked.length"), 2, "it is not sent again")
 
     def test_many_touches_do_not_hold_back_the_stop_of_another_zone(self) -> None:
-        gateway = self.gateway(2)
-        gateway.set(phase="running")
-        page = self.phone(gateway)
-        page.wait(f"{IS_ON}", "STOP is on")
+        gateway, page = self.running(2)
         real, hangs = gateway.server.command, asyncio.Event()
 
         async def hang(command: Any) -> Any:
@@ -460,10 +449,7 @@ class TestWays(PhoneCase):
         page.wait(f"!{SAID}.includes('refused')", "it is read")
 
     def test_a_robot_that_has_stopped_stays_so_without_a_link(self) -> None:
-        gateway = self.gateway()
-        gateway.set(phase="running")
-        page = self.phone(gateway)
-        page.wait(f"{IS_ON}", "STOP is on")
+        gateway, page = self.running()
         self.stops(gateway, page)
         page.wait(f"{SAID}.includes('the robot has stopped')", "its way")
         alarm = page.note(f"{SAID}.includes('NO ANSWER FROM THE ROBOT')")
@@ -480,18 +466,12 @@ class TestWays(PhoneCase):
             page.wait(f"document.querySelector('.others').innerText === {json.dumps(said)}", said)
 
     def test_a_box_that_was_superseded_names_its_successor(self) -> None:
-        gateway = self.gateway()
-        gateway.set(phase="running")
-        page = self.phone(gateway)
-        page.wait(IS_ON, "STOP is on")
+        gateway, page = self.running()
         gateway.do(lambda: setattr(gateway, "successor", "10.0.0.2"))
         page.wait(f"{SAID}.includes('open the pages at 10.0.0.2') && !({IS_ON}) && document.body.matches('.old')", "it")
 
     def test_the_pairing_ends_while_a_stop_is_sent(self) -> None:
-        gateway = self.gateway()
-        gateway.set(phase="running")
-        page = self.phone(gateway)
-        page.wait(f"{IS_ON}", "STOP is on")
+        gateway, page = self.running()
         gateway.do(lambda: setattr(gateway, "answers", False))
         self.stops(gateway, page)
         page.wait(f"{SAID}.includes('NOT DELIVERED')", "it is sent again and again")
@@ -501,9 +481,7 @@ class TestWays(PhoneCase):
                   "document.querySelector('.stopsaid').offsetHeight > 0", "how it ended")
 
     def test_a_phone_is_turned_while_a_stop_is_sent(self) -> None:
-        gateway = self.gateway(4)
-        gateway.set(phase="running")
-        page = self.phone(gateway)
+        gateway, page = self.running(4)
         gateway.do(lambda: setattr(gateway, "answers", False))
         self.stops(gateway, page)
         for width, height in ((844, 390), (390, 844), (480, 320), (320, 480)):
@@ -542,9 +520,7 @@ class TestOthersStop(PhoneCase):
                   f"&& !{self.WHYS}.includes('STOP')", "this robot has stopped")
 
     def test_a_locked_page_does_not_hide_it(self) -> None:
-        gateway = self.gateway(4)
-        gateway.set(phase="running")
-        page = self.phone(gateway, SIZES[0])
+        gateway, page = self.running(4, SIZES[0])
         page.get("window.dispatchEvent(new Event('wake'))")
         urgent = "document.querySelector('.lock .urgent')"
         page.wait("document.querySelector('.lock:not([hidden])') !== null", "it is locked")
@@ -735,9 +711,7 @@ class TestLeaving(PhoneCase):
             page.close()
 
     def test_a_device_that_is_not_paired_says_that_it_cannot_stop_and_who_can(self) -> None:
-        gateway = self.gateway()
-        gateway.set(phase="running")
-        page = self.phone(gateway)
+        gateway, page = self.running()
         gateway.do(lambda: gateway.server.revoke(""))
         english = ("This device is not paired, so it cannot stop a robot. A paired device, the referees' table and the "
                    "robot's emergency button can")
@@ -778,9 +752,7 @@ class TestReloaded(PhoneCase):
     UNDO = "button[data-command=undo]"
 
     def test_the_last_mark_can_be_taken_back_after_a_reload(self) -> None:
-        gateway = self.gateway()
-        gateway.set(phase="running")
-        page = self.phone(gateway)
+        gateway, page = self.running()
         for number, (desc, _) in enumerate((("Enters", "take_back"), ("Bumps", "mark"))):
             page.wait(CLICKED.format(f"[data-item^={desc}] .controls button:nth-of-type({number + 1})"), "it is marked")
             page.wait(f"document.querySelector('{self.UNDO}').textContent.includes('{desc}')", "it can be taken back")
@@ -814,10 +786,7 @@ class TestTouches(PhoneCase):
     """What counts as STOP, and what happens under a finger."""
 
     def test_a_touch_stops_when_it_begins(self) -> None:
-        gateway = self.gateway()
-        gateway.set(phase="running")
-        page = self.phone(gateway)
-        page.wait(f"{IS_ON}", "STOP is on")
+        gateway, page = self.running()
         left, top, width, height = page.box(STOP)
         x, y = left + width / 2, top + height / 2
         page.touch(x, y, lift=False)
@@ -938,9 +907,7 @@ class TestTouches(PhoneCase):
         look("the core is silent")
 
     def test_no_tap_on_a_mark_is_lost(self) -> None:
-        gateway = self.gateway()
-        gateway.set(phase="running")
-        page = self.phone(gateway)
+        gateway, page = self.running()
         chance = random.Random(1)
         page.get("document.querySelector('.item .controls .main').scrollIntoView({block: 'center'})")
         page.wait(STILL, "nothing has changed just now")
@@ -974,9 +941,7 @@ class TestTouches(PhoneCase):
         self.assertEqual(gateway.count("operation"), 1)
 
     def test_a_control_whose_text_changes_but_not_its_meaning_takes_every_touch(self) -> None:
-        gateway = self.gateway(4)
-        gateway.set(phase="running")
-        page = self.phone(gateway)
+        gateway, page = self.running(4)
         text = "Ask Dr. Kimble to enter"
         page.wait(STILL, "nothing has changed just now")
         shows = f"document.querySelector('{{}}').innerText.includes({json.dumps(text)})"
@@ -1050,9 +1015,7 @@ class TestStopAll(PhoneCase):
         page.wait(f"document.querySelector('{STOP}').hidden", "a judge has no STOP")
 
     def test_the_others_stay_in_sight(self) -> None:
-        gateway = self.gateway(4)
-        gateway.set(phase="running")
-        page = self.phone(gateway, SIZES[0])
+        gateway, page = self.running(4, SIZES[0])
         gateway.do(lambda: setattr(gateway.zone("Hall"), "operation", "Ask Dr. Kimble to enter"))
         page.get("scrollTo(0, 9999)")
         others = "document.querySelector('.others')"
@@ -1187,10 +1150,7 @@ class TestLooks(PhoneCase):
             page.close()
 
     def test_red_stays_where_a_reader_chooses_the_colours(self) -> None:
-        gateway = self.gateway()
-        gateway.set(phase="running")
-        page = self.phone(gateway)
-        page.wait(f"{IS_ON}", "STOP is on")
+        gateway, page = self.running()
         colours = f"(style => [style.color, style.backgroundColor])(getComputedStyle(document.querySelector('{STOP}')))"
         before = page.get(colours)
         page.command("Emulation.setEmulatedMedia", features=[{"name": "forced-colors", "value": "active"}])
