@@ -70,6 +70,7 @@ def test_another_text():
 
 def test_an_overlap_of_a_few_characters_is_a_coincidence():
     assert added("abc\nstart\n", "start\nmore\n") is None
+    assert added("abc\nstart\n", "start\n") is None
 
 
 def test_a_repeated_line_is_not_taken_for_the_overlap():
