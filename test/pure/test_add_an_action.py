@@ -63,14 +63,14 @@ def test_the_terminal_has_it_with_its_arguments_and_help(tree):
     found = run(tree, """
         import contextlib, io
         from roah_rsbb.model.actions import ACTIONS
-        from roah_rsbb.referee import args, commands
+        from roah_rsbb.referee import commands, terminal
         typed = commands.parser().parse_args(["extend", "Home", "60", "the door was stuck"])
         said = io.StringIO()
         for words in (["extend", "--help"], ["extend", "Home", "601", "x"]):
             with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
                 with contextlib.suppress(SystemExit):
                     commands.parser().parse_args(words)
-        given = args.given_in(typed, ACTIONS["extend"])
+        given = terminal.given_in(typed, ACTIONS["extend"])
         print(json.dumps([given, commands.COMMANDS["extend"].do.__name__, said.getvalue()]))
     """)
     assert found[:2] == [{"seconds": 60, "reason": "the door was stuck"}, "_act"]

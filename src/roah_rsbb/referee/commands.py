@@ -9,10 +9,8 @@ from roah_rsbb.model.actions import ACTIONS, AGAIN, confirmed_by
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import CONNECTED, IDLE, RUNNING, SheetItem
-from roah_rsbb.referee import args, organiser, sheets, view
-from roah_rsbb.referee.args import BY, OF_RUN, ZONE, Commands, TypedCommand, argument, switch
+from roah_rsbb.referee import organiser, sheets, terminal, view
 from roah_rsbb.referee.at_once import ALL_OPTION, Exit, NoCore
-from roah_rsbb.referee.call import Call, Output
 from roah_rsbb.referee.run import Operations, RunScript, ScriptOutcome, ScriptPlan
 from roah_rsbb.referee.state import (
     BoxFollower,
@@ -25,6 +23,7 @@ from roah_rsbb.referee.state import (
     zone_json,
 )
 from roah_rsbb.referee.stopping import Stopping
+from roah_rsbb.referee.terminal import BY, OF_RUN, ZONE, Call, Commands, Output, TypedCommand, argument, switch
 from roah_rsbb.referee.words import (
     GIVE_AGAIN,
     NOT_ATTEMPTED,
@@ -48,7 +47,7 @@ _OF_BOX, _OF_ZONE = Commands(), Commands()
 @_OF_BOX.add(
     "status", "show all zones at a glance, active robots and warnings",
     ["", "'Home A'    (in full: reasons, score sheet, online data)", "--json | jq '.zones[].phase'"],
-    args.zone("show only this zone, in full; ", "?"),
+    terminal.zone("show only this zone, in full; ", "?"),
 )
 def _status(call: Call) -> Exit:
     box, now, style = call.link.box, call.link.now(), call.output.style
@@ -61,7 +60,7 @@ def _status(call: Call) -> Exit:
 @_OF_BOX.add(
     "watch", "print what happens, one line each with its time, until Ctrl-C",
     ["", "--zone 'Home A'", "--json >> competition.jsonl"],
-    args.zone("only this zone, the robots of its team, and the whole box; ", name="--zone"), has_keyboard=True,
+    terminal.zone("only this zone, the robots of its team, and the whole box; ", name="--zone"), has_keyboard=True,
 )
 def _watch(call: Call) -> Exit:
     link, output, zone = call.link, call.output, call.one_zone
@@ -81,18 +80,18 @@ def _act(call: Call) -> Exit:
     """Do an action of the table."""
     action = ACTIONS[call.options.command.replace("-", "_")]
     if action.leaves:
-        if action.name in args.ALWAYS and call.zone.phase == RUNNING:  # the box sends its robot nothing more then
+        if action.name in terminal.ALWAYS and call.zone.phase == RUNNING:  # the box sends its robot nothing more then
             with contextlib.suppress(Refused):  # it has just ended
                 call.link.stop_run(call.zone_name, call.zone.identity)
             call.link.settle()
         call.check_stopped()
-    call.act(action.name, args.given_in(call.options, action))
+    call.act(action.name, terminal.given_in(call.options, action))
     return call.say_done()
 
 
 @_OF_ZONE.add(
     "stop", "stop the run of a zone, or of all zones; it stays connected", ["'Home A'", "all"],
-    args.zone("'all' stops the runs of all zones. Otherwise the ", "?"),
+    terminal.zone("'all' stops the runs of all zones. Otherwise the ", "?"),
     switch("--all", "stop the runs of all zones, also where a zone is named 'all'"), has_keyboard=True,
 )
 def _stop(call: Call) -> Exit:
@@ -119,10 +118,10 @@ def _stop(call: Call) -> Exit:
     "score", "show the score sheet of the run in a zone, or set an item",
     ["'Home A'", "'Home A' 3 +1", "'Home A' 'door' yes", "'Home A' 4 not-attempted",
      "'Home A' 3 2 --note 'the vase, twice' --by Anna", "'Home A' 3 1 --run last    (a correction)"],
-    ZONE, argument("item", nargs="?", help=args.ITEM),
+    ZONE, argument("item", nargs="?", help=terminal.ITEM),
     argument("value", nargs="?", help="a number, yes or no, +N or -N to count, '=N' to set also below 0, a choice, "
                                       "JUDGE:NUMBER, or not-attempted"),
-    args.note("beside the value"), BY, OF_RUN,
+    terminal.note("beside the value"), BY, OF_RUN,
 )
 def _score(call: Call) -> Exit:
     link, options, output = call
@@ -196,15 +195,15 @@ def _done(call: Call) -> Exit:
      "'Home A' --score door=yes --score 'moved furniture=2' --keep",
      "'Home A' --event HNF --operations typed", "'Home A' --team Beta --robot b2"],
     ZONE,
-    argument("--wait", metavar="SECONDS", type=args.seconds, default=WAIT_S,
+    argument("--wait", metavar="SECONDS", type=terminal.seconds, default=WAIT_S,
              help="how long to wait for the core, then for connect and for start to be possible (default %(default)g)"),
     argument("--event", "--benchmark", metavar="CODE[/ROUND[/RUN]]",
-             type=args.of_form("CODE, CODE/ROUND or CODE/ROUND/RUN", event_wanted),
+             type=terminal.of_form("CODE, CODE/ROUND or CODE/ROUND/RUN", event_wanted),
              help="move the zone to this event first: the next matching one, else the last matching one before"),
-    args.text("--team", "as --event: move the zone to an event of this team", metavar="TEAM"),
-    args.text("--robot", "connect this robot of the team; default: the core chooses one", metavar="NAME"),
+    terminal.text("--team", "as --event: move the zone to an event of this team", metavar="TEAM"),
+    terminal.text("--robot", "connect this robot of the team; default: the core chooses one", metavar="NAME"),
     argument("--score", metavar="ITEM=VALUE", action="append", default=[],
-             type=args.of_form("ITEM=VALUE", score_wanted),
+             type=terminal.of_form("ITEM=VALUE", score_wanted),
              help="set a scoring item after the start; may be repeated"),
     BY, switch("--again", str(AGAIN.label)), switch("--keep", "stay connected at the end"),
     argument("--operations", choices=[who.value for who in Operations], default=Operations.OTHERS.value,
@@ -250,14 +249,14 @@ def _show_outcome(name: str, outcome: ScriptOutcome, output: Output) -> None:
 
 COMMANDS: Dict[str, TypedCommand] = {
     **_OF_BOX,
-    **{action.words: args.of_action(action, _act) for action in ACTIONS.values() if action.name not in PLACED},
+    **{action.words: terminal.of_action(action, _act) for action in ACTIONS.values() if action.name not in PLACED},
     **_OF_ZONE, **sheets.COMMANDS, **organiser.COMMANDS,
 }
 
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser with all commands and their help."""
-    return args.parser_of(COMMANDS)
+    return terminal.parser_of(COMMANDS)
 
 
 def carry_out(options: Any, output: Output) -> Exit:

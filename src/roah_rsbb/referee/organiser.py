@@ -7,10 +7,9 @@ from roah_rsbb.document.calls import PAIR, PAIRED, REVOKE, TEAM_CODES
 from roah_rsbb.model.actions import UNSIGNED
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.referee import view
-from roah_rsbb.referee.args import BY, LEAVING, ZONE, Commands, argument, counted, switch, text, zone
 from roah_rsbb.referee.at_once import Exit
-from roah_rsbb.referee.call import Call
 from roah_rsbb.referee.state import scheduled_json
+from roah_rsbb.referee.terminal import BY, LEAVING, ZONE, Call, Commands, argument, counted, switch, text, zone
 from roah_rsbb.referee.words import BadWord, pick
 from roah_rsbb.wording import schedule
 from roah_rsbb.wording.device import encryption_text, role_text

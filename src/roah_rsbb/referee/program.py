@@ -57,7 +57,7 @@ def carry_out(options: "argparse.Namespace") -> int:
     """Carry out the command and return the exit status."""
     try:
         from roah_rsbb.referee import commands
-        from roah_rsbb.referee.call import Output
+        from roah_rsbb.referee.terminal import Output
 
         return int(commands.carry_out(options, Output(options.json, options.utc)))
     except KeyboardInterrupt:

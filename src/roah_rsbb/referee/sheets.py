@@ -10,13 +10,16 @@ from roah_rsbb.model.results import JudgedRun, Judging, RunLine
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import IDLE, SheetItem
 from roah_rsbb.referee import view
-from roah_rsbb.referee.args import (
+from roah_rsbb.referee.at_once import Exit
+from roah_rsbb.referee.state import run_json, sheet_json
+from roah_rsbb.referee.terminal import (
     BY,
     ITEM,
     MUST_BY,
     OF_RUN,
     ZONE,
     Argument,
+    Call,
     Commands,
     argument,
     counted,
@@ -27,9 +30,6 @@ from roah_rsbb.referee.args import (
     text,
     zone,
 )
-from roah_rsbb.referee.at_once import Exit
-from roah_rsbb.referee.call import Call
-from roah_rsbb.referee.state import run_json, sheet_json
 from roah_rsbb.referee.words import NOT_ATTEMPTED, BadWord, pick_item, value_of
 from roah_rsbb.scoring.publication import MAX_OBJECTION_TIME_S
 from roah_rsbb.wording import judging

@@ -7,7 +7,7 @@ import pytest
 from roah_rsbb.model.actions import Action
 from roah_rsbb.model.fields import Choice
 from roah_rsbb.model.reason import say
-from roah_rsbb.referee import args
+from roah_rsbb.referee import terminal
 from roah_rsbb.referee.commands import parser
 
 COMMANDS = ("status", "watch", "connect", "start", "stop", "disconnect", "previous", "next", "pause", "resume",
@@ -42,10 +42,10 @@ def test_a_choice_that_may_be_left_out_is_left_out():
     kind = Choice("kind", say("Kind"), required=False, choices=("late", "rude"))
     action = Action("yellow_card", say("Yellow card"), say("Warn the team"), (kind,))
     commands = argparse.ArgumentParser().add_subparsers(dest="command")
-    args.add_to(commands, {"": args.of_action(action, lambda call: None)}, "referee")
+    terminal.add_to(commands, {"": terminal.of_action(action, lambda call: None)}, "referee")
     command = commands.choices["yellow-card"]
-    assert args.given_in(command.parse_args(["Hall"]), action) == {}
-    assert args.given_in(command.parse_args(["Hall", "--kind", "late"]), action) == {"kind": "late"}
+    assert terminal.given_in(command.parse_args(["Hall"]), action) == {}
+    assert terminal.given_in(command.parse_args(["Hall", "--kind", "late"]), action) == {"kind": "late"}
     assert "Kind: late / rude" in command.format_help()
 
 

@@ -11,8 +11,8 @@ from roah_rsbb.model.document import BoxSeen, Document, Public
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.results import EventSeen
 from roah_rsbb.referee import commands, program
-from roah_rsbb.referee.call import Call
 from roah_rsbb.referee.link import Link, caller_name
+from roah_rsbb.referee.terminal import Call
 from roah_rsbb.wording.times import Moments, use_zone
 
 

@@ -9,8 +9,8 @@ from helpers.referee_box import NOW as NOW_ON_BOX
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.results import HistoryEntry, JudgedRun, Judging, RunEnd, RunLine, RunSheet
 from roah_rsbb.referee import view
-from roah_rsbb.referee.call import Call, Output
 from roah_rsbb.referee.sheets import COMMANDS, LAST, pick_run
+from roah_rsbb.referee.terminal import Call, Output
 from roah_rsbb.referee.view import run_lines, sheet_lines
 from roah_rsbb.referee.words import BadWord
 from roah_rsbb.wording.times import Moments

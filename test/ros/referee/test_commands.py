@@ -63,6 +63,21 @@ class WithCore(unittest.TestCase):
         self.core.look()
         return called(*words, **options)
 
+    def done(self, *words: str) -> str:
+        """Call a command that is done; what it prints."""
+        done = self.called(*words)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return done.stdout
+
+    def shown(self, *words: str) -> Any:
+        """Call a command; its JSON."""
+        return json.loads(self.called(*words, "--json").stdout)
+
+    def refused(self, text: str, *words: str, status: int = 1) -> None:
+        """Call a command that is refused, or wrong, for this reason."""
+        done = self.called(*words)
+        self.assertEqual((done.returncode, done.stderr.count(text)), (status, 1), done.stderr)
+
     def start(self, *words: str, typed: str = "") -> Referee:
         """A referee that is ended with the test."""
         started = Referee(*words, typed=typed)
@@ -86,14 +101,12 @@ class TestCommands(WithCore):
         box = json.loads(referee("status", "--json").stdout)
         self.assertEqual([zone["zone"] for zone in box["zones"]], ["Home A", "Home B"])
         self.assertEqual(box["warnings"], ["Another box"])
-        self.assertEqual(json.loads(self.called("status", "home b", "--json").stdout)["zone"], "Home B")
+        self.assertEqual(self.shown("status", "home b")["zone"], "Home B")
 
     def test_each_command_reaches_its_zone(self) -> None:
         for command, phase in (("connect", "CONNECTED"), ("start", "RUNNING"), ("stop", "the robot has stopped"),
                                ("disconnect", "NOT CONNECTED"), ("next", "HWV"), ("previous", "HGTKMH")):
-            done = self.called(command, "home a")
-            self.assertEqual((done.returncode, done.stderr), (0, ""))
-            self.assertIn(phase, done.stdout)
+            self.assertIn(phase, self.done(command, "home a"))
         calls = [call for call in self.core.calls if call != ("stop_run", "home a")]  # tried before the zones are known
         self.assertEqual(calls, [(command, "Home A") for command in
                                  ("connect", "start", "stop_run", "disconnect", "next", "previous")])
@@ -106,11 +119,10 @@ class TestCommands(WithCore):
                 zone.command("connect", "start")
                 self.core.deaf = True
                 zone.command("stop")
-                done = self.called(*leave)
-                self.assertEqual((done.returncode, zone.phase), (1, "ended"))
-                self.assertIn("mbot of team TestingTeam did not answer STOP. After the disconnect the box does not "
-                              "repeat it: stop by hand first. Then give --yes", done.stderr)
-                self.assertEqual(self.called(*leave, "--yes").returncode, 0)
+                self.refused("mbot of team TestingTeam did not answer STOP. After the disconnect the box does not "
+                             "repeat it: stop by hand first. Then give --yes", *leave)
+                self.assertEqual(zone.phase, "ended")
+                self.done(*leave, "--yes")
                 self.assertEqual(zone.phase, "idle")
                 self.core.deaf = False
                 self.core.box.zones["Home A"].move(-zone.index)
@@ -119,14 +131,13 @@ class TestCommands(WithCore):
         zone = self.core.zones["Home A"]
         zone.command("connect", "start")
         before = len(self.core.calls)
-        self.assertEqual(self.called("disconnect", "home a").returncode, 0)
+        self.done("disconnect", "home a")
         self.assertEqual([call[0] for call in self.core.calls[before:]], ["stop_run", "disconnect"])
         zone.command("connect", "start")
         self.core.deaf = True
-        done = self.called("disconnect", "home a")
-        self.assertEqual((done.returncode, zone.phase), (1, "ended"))
-        self.assertIn("did not answer STOP", done.stderr)
-        self.assertEqual(self.called("disconnect", "home a", "--yes").returncode, 0)
+        self.refused("did not answer STOP", "disconnect", "home a")
+        self.assertEqual(zone.phase, "ended")
+        self.done("disconnect", "home a", "--yes")
         self.core.deaf = False
 
     def test_a_run_without_a_robot_and_a_team_that_does_not_appear(self) -> None:
@@ -134,23 +145,19 @@ class TestCommands(WithCore):
                                ("stop", "the clock is stopped"), ("withdrawn", "NOT CONNECTED"),
                                ("no-show", "NOT CONNECTED")):
             teams = [self.core.box.zones["Home A"].event.team] if command in ("withdrawn", "no-show") else []
-            done = self.called(command, "home a", *teams)
-            self.assertEqual((done.returncode, done.stderr), (0, ""))
-            self.assertIn(shown, done.stdout)
+            self.assertIn(shown, self.done(command, "home a", *teams))
         ends = [record.end_reason for record in self.core.box.finished.records()]
         self.assertEqual(ends, ["no_show", "withdrawn"])
         self.assertIn("no-show, no score", self.called("runs", "home a").stdout)
-        refused = referee("withdrawn", "home a", "Nobody")
-        self.assertEqual((refused.returncode, refused.stderr.count("not of team Nobody: choose the event")), (1, 1))
+        self.refused("not of team Nobody: choose the event", "withdrawn", "home a", "Nobody")
         self.assertEqual(self.called("withdrawn", "home a").returncode, 2)
         refused = referee("pause", "home a")
         self.assertEqual((refused.returncode, refused.stderr), (
             1, "referee: pause was refused:\n  The rules of this benchmark do not allow a pause\n"))
 
     def test_one_of_several_robots_connects(self) -> None:
-        zone = json.loads(self.called("status", "Home A", "--json").stdout)
-        second = zone["robots_to_choose"][1]
-        connected = json.loads(self.called("connect", "Home A", "--robot", second, "--json").stdout)["state"]
+        second = self.shown("status", "Home A")["robots_to_choose"][1]
+        connected = self.shown("connect", "Home A", "--robot", second)["state"]
         self.assertEqual((connected["robot"], connected["robots_to_choose"]), (second, []))
         self.assertIn("No robot 'nobody' of team", referee("connect", "Home B", "--robot", "nobody").stderr)
 
@@ -158,27 +165,24 @@ class TestCommands(WithCore):
         lines = self.called("schedule", "home a", "--utc").stdout.splitlines()
         self.assertEqual(len(lines), 1 + len(EVENTS) + 2)
         self.assertIn("Home A  1*   2015-11-01 08:00  ~08:12  +12 min  HGTKMH, team TestingTeam", lines[1])
-        events = json.loads(self.called("schedule", "--team", "AnotherTeam", "--json").stdout)["events"]
+        events = self.shown("schedule", "--team", "AnotherTeam")["events"]
         self.assertEqual([(event["zone"], event["number"], event["late_s"]) for event in events],
                          [("Home A", 2, 720.0), ("Home B", 2, 720.0)])
         self.assertEqual(self.called("schedule", "--show", "unsigned").stdout.splitlines()[-1], "no events")
-        done = self.called("choose", "home a", "3")
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
-        self.assertIn("HCFGAC", done.stdout)
-        self.assertEqual(self.core.calls, [("choose_event", "Home A", "HCFGAC", False)])
-        self.assertEqual(self.called("choose", "Home A", "1", "--unsigned").returncode, 0)
-        self.assertEqual(self.core.calls[-1], ("choose_event", "Home A", "HGTKMH", True))
-        done = self.called("choose", "Home A", "4")
-        self.assertEqual((done.returncode, done.stderr.count("there are 1 to 3")), (2, 1))
+        self.assertIn("HCFGAC", self.done("choose", "home a", "3"))
+        self.done("choose", "Home A", "1", "--unsigned")
+        self.assertEqual(self.core.calls, [
+            ("choose_event", "Home A", "HCFGAC", False), ("choose_event", "Home A", "HGTKMH", True)])
+        self.refused("there are 1 to 3", "choose", "Home A", "4", status=2)
 
     def test_a_refusal_has_every_reason(self) -> None:
         self.zone.extra_off["connect"] = ["one thing; and what to do", "another thing"]
         done = referee("connect", "Home A")
         self.assertEqual((done.returncode, done.stdout), (1, ""))
         self.assertEqual(done.stderr, "referee: connect was refused:\n  one thing; and what to do\n  another thing\n")
-        made = json.loads(self.called("connect", "Home A", "--json").stdout)
-        self.assertEqual((made["ok"], made["exit"]), (False, 1))
-        self.assertEqual(made["reasons"], ["one thing; and what to do", "another thing"])
+        made = self.shown("connect", "Home A")
+        self.assertEqual((made["ok"], made["exit"], made["reasons"]),
+                         (False, 1, ["one thing; and what to do", "another thing"]))
 
     def test_scores_are_shown_set_and_counted(self) -> None:
         self.assertEqual(self.called("score", "Home A").returncode, 1)  # no run, no sheet
@@ -186,69 +190,60 @@ class TestCommands(WithCore):
         self.assertIn("1     no  " + DOOR[1], self.called("score", "Home A").stdout)
         self.assertEqual(self.called("score", "Home A", "door", "yes").stdout, f"{DOOR[0]}: {DOOR[1]}: yes\n")
         for value in ("1", "2", "3"):
-            made = json.loads(self.called("score", "Home A", "2", "+1", "--json").stdout)
+            made = self.shown("score", "Home A", "2", "+1")
             self.assertEqual((made["ok"], made["number"], made["value"]), (True, 2, int(value)))
         self.assertEqual([call[-1] for call in self.core.calls], [1, "+1", "+1", "+1"])
-        refused = self.called("score", "Home A", "2", "-4")
-        self.assertEqual((refused.returncode, refused.stderr.count("its value must be 0 or more, not -1")), (1, 1))
+        self.refused("its value must be 0 or more, not -1", "score", "Home A", "2", "-4")
         self.assertEqual(self.called("score", "Home A", "door").returncode, 2)
 
     def test_scores_with_words_and_their_history(self) -> None:
         self.zone.command("connect")
-        done = self.called("score", "Home A", "door", "yes", "--note", "through the window", "--by", "Anna")
-        self.assertEqual((done.stdout, done.stderr), (f"{DOOR[0]}: {DOOR[1]}: yes\n", ""))
+        done = self.done("score", "Home A", "door", "yes", "--note", "through the window", "--by", "Anna")
+        self.assertEqual(done, f"{DOOR[0]}: {DOOR[1]}: yes\n")
         self.assertEqual(self.core.words, [(self.zone.identity, "through the window", "Anna")])
         self.assertEqual(self.called("score", "Home A", "door", "n/a").stdout, f"{DOOR[0]}: {DOOR[1]}: not attempted\n")
         self.assertIn("not attempted  " + DOOR[1], self.called("score", "Home A").stdout)
-        sheet = json.loads(self.called("sheet", "Home A", "--json").stdout)["sheet"]
+        sheet = self.shown("sheet", "Home A")["sheet"]
         self.assertEqual([(e["value"], e["not_attempted"], e["note"]) for e in sheet["history"]],
                          [(1, False, "through the window"), (0, True, "")])
-        done = self.called("withdraw", "Home A", "2", "--note", "it did try")
-        self.assertIn("; withdrawn by no name at", done.stdout)
-        self.assertIn("1    yes  " + DOOR[1], done.stdout)
-        again = self.called("withdraw", "Home A", "2")
-        self.assertEqual((again.returncode, again.stderr.count("entry 2 was withdrawn already")), (1, 1))
+        done = self.done("withdraw", "Home A", "2", "--note", "it did try")
+        self.assertIn("; withdrawn by no name at", done)
+        self.assertIn("1    yes  " + DOOR[1], done)
+        self.refused("entry 2 was withdrawn already", "withdraw", "Home A", "2")
 
     def test_a_run_that_is_over_is_corrected_and_signed_off(self) -> None:
-        refused = self.called("withdraw", "Home A", "1")
-        self.assertEqual((refused.returncode, refused.stderr.count("'--run last'")), (1, 1))
+        sign_off = ("sign-off", "Home A", "--run", "last", "--by", "Cleo")
+        self.refused("'--run last'", "withdraw", "Home A", "1")
         self.assertEqual(self.called("sign-off", "Home A", "--run", "last").returncode, 2)
-        unasked = self.called("sign-off", "Home A", "--run", "last", "--by", "Cleo")
-        self.assertEqual((unasked.returncode, unasked.stderr.count("no run")), (2, 1))
+        self.refused("no run", *sign_off, status=2)
         self.zone.command("connect")
         self.zone.command("start")
         identity = self.zone.identity
         self.zone.command("stop")
-        connected = self.called("sign-off", "Home A", "--run", "last", "--by", "Cleo", "--yes")
-        self.assertEqual((connected.returncode, connected.stderr.count("disconnect it first")), (1, 1))
+        self.refused("disconnect it first", *sign_off, "--yes")
         self.assertIn("Benchmark stopped by the referee", self.called("reason", "Home A", "fire alarm").stdout)
         self.zone.command("disconnect")
         self.assertIn("not signed off", self.called("runs", "Home A").stdout)
         self.assertIn("Home B:\n    no run is connected or over", self.called("runs").stdout)
         self.assertIn("no  " + DOOR[1], self.called("score", "Home A", "--run", "last").stdout)
         self.assertIn(": yes", self.called("score", "Home A", "door", "yes", "--run", identity[:11]).stdout)
-        (run,) = json.loads(self.called("runs", "--json").stdout)["runs"]
+        (run,) = self.shown("runs")["runs"]
         self.assertEqual((run["identity"], run["corrected"], run["signed_utc_s"]), (identity, True, None))
-        unasked = self.called("sign-off", "Home A", "--run", "last", "--by", "Cleo")
-        self.assertEqual((unasked.returncode, unasked.stderr.count("give --yes")), (2, 1))
-        done = self.called("sign-off", "Home A", "--run", "last", "--by", "Cleo", "--yes")
-        self.assertIn("corrected, signed off by Cleo at", done.stdout)
-        self.assertIn("fire alarm", done.stdout)
-        final = self.called("score", "Home A", "door", "no", "--run", "last")
-        self.assertEqual((final.returncode, final.stderr.count("signed off by Cleo")), (1, 1))
+        self.refused("give --yes", *sign_off, status=2)
+        done = self.done(*sign_off, "--yes")
+        self.assertIn("corrected, signed off by Cleo at", done)
+        self.assertIn("fire alarm", done)
+        self.refused("signed off by Cleo", "score", "Home A", "door", "no", "--run", "last")
 
     def test_a_manual_operation_is_done_and_answered(self) -> None:
-        done = self.called("done", "Home A")
-        self.assertEqual((done.returncode, done.stderr.count("no manual operation is requested now")), (1, 1))
+        self.refused("no manual operation is requested now", "done", "Home A")
         self.zone.asked = Asked(4, "No pose of the robot", ("try again", "skip"))
         self.assertIn("TO DO by the referee: No pose of the robot (try again / skip)", self.called("status").stdout)
         self.assertEqual(self.called("done", "Home A", "fly").returncode, 2)
         self.assertEqual(self.called("done", "Home A", "--operation", "3").returncode, 1)
         self.assertEqual(self.core.calls, [])
-        done = self.called("done", "Home A", "sk", "--operation", "4")
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertNotIn("TO DO", self.done("done", "Home A", "sk", "--operation", "4"))
         self.assertEqual(self.core.calls, [("operation", "Home A", 4, "skip")])
-        self.assertNotIn("TO DO", done.stdout)
 
     def test_colour_on_a_terminal_only_and_not_where_it_is_unwanted(self) -> None:
         self.assertIn("\x1b[", on_terminal("status"))
