@@ -58,13 +58,13 @@ def test_values_that_fit_come_from_the_page_to_the_box(action):
 @pytest.mark.parametrize("action", OF_TABLE)
 def test_the_terminal_takes_each_field(action):
     pytest.importorskip("rospy")
-    from roah_rsbb.referee import args, commands
+    from roah_rsbb.referee import commands, terminal
     from roah_rsbb.referee.words import PLACED
 
     if action.name in PLACED:
         assert PLACED[action.name] in commands.COMMANDS
         return
-    words, expected = [], dict(args.ALWAYS.get(action.name, {}))
+    words, expected = [], dict(terminal.ALWAYS.get(action.name, {}))
     for field in action.fields:
         if field.name in expected:
             continue
@@ -72,7 +72,7 @@ def test_the_terminal_takes_each_field(action):
         option = f"--{field.name.replace('_', '-')}"
         is_word = field.required or isinstance(field, Team)
         words += [option] if value is True else [str(value)] if is_word else [option, str(value)]
-    assert args.given_in(commands.parser().parse_args([action.words, "tbm", *words]), action) == expected
+    assert terminal.given_in(commands.parser().parse_args([action.words, "tbm", *words]), action) == expected
 
 
 @pytest.mark.parametrize("action", [pytest.param(action, id=action.name) for action in FIXED])
