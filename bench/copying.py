@@ -17,12 +17,11 @@ from fleet import Fleet
 from processes import ROOT, Box, Measured, wait
 
 from roah_rsbb.box.program.supervisor import COPIES
-from roah_rsbb.copies.folder import CannotReadJournal
-from roah_rsbb.copies.follower import JournalSegments
-from roah_rsbb.copies.settings import CopySettings
 from roah_rsbb.ground.arguments import without_ros
 from roah_rsbb.journal import log
 from roah_rsbb.journal.contents import open_journal
+from roah_rsbb.journal.copy_folder import CannotReadJournal
+from roah_rsbb.journal.copy_follower import CopySettings, JournalSegments
 from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.standby.pairing import make_code
 

@@ -14,7 +14,7 @@ CONTENTS: Dict[str, Tuple[str, ...]] = {
         "docs/team.md"),
     # A robot with ROS, and all that catkin generates.
     "comm": (
-        "", "roah_rsbb/nodes/__init__.py", "roah_rsbb/nodes/team/", "roah_rsbb/ros/__init__.py",
+        "", "roah_rsbb/ros/team/", "roah_rsbb/ros/__init__.py",
         "roah_rsbb/ros/connections.py", "roah_rsbb/ros/messages.py", "roah_rsbb/ros/node.py", "roah_rsbb/msg/",
         "roah_rsbb/srv/",
         "launch/dummy_robot.launch", "launch/robot_comm.launch"),
@@ -23,16 +23,16 @@ CONTENTS: Dict[str, Tuple[str, ...]] = {
         "roah_rsbb/radio/", "roah_rsbb/results/__init__.py", "roah_rsbb/results/page.py", "roah_rsbb/rulebook/",
         "roah_rsbb/scoring/", "roah_rsbb/wording/", "config/benchmarks.yaml", "config/modules/", "docs/check_robot.md"),
     "results": (
-        "roah_rsbb/document/", "roah_rsbb/journal/", "roah_rsbb/results/", "roah_rsbb/run_logs/",
+        "roah_rsbb/document/", "roah_rsbb/journal/", "roah_rsbb/results/",
         "config/schedule.yaml", "config/standings.yaml", "docs/results.md", "resource/replay/", "resource/report/"),
     # A box without ROS.
     "box": (
-        "roah_rsbb/box/", "roah_rsbb/client/", "roah_rsbb/copies/", "roah_rsbb/devices/", "roah_rsbb/referee/",
+        "roah_rsbb/box/", "roah_rsbb/devices/", "roah_rsbb/document/client.py", "roah_rsbb/referee/",
         "roah_rsbb/standby/", "roah_rsbb/tablet/", "roah_rsbb/tools/", "roah_rsbb/web/", "README.md", "config/",
         "docs/", "launch/roah_rsbb.launch", "resource/"),
     # A box with ROS.
     "ros": (
-        "roah_rsbb/", "roah_rsbb/nodes/team/dummy_robots.py", "roah_rsbb/tools/demo.py",
+        "roah_rsbb/", "roah_rsbb/ros/team/dummy_robots.py", "roah_rsbb/tools/demo.py",
         "roah_rsbb/tools/reconnect.py", "launch/", "plugin.xml",
         "etc/roah-rsbb/", "usr/share/applications/", "changelog", "copyright"),
 }

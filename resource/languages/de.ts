@@ -3387,42 +3387,42 @@
         <translation>seine Regeln beenden ihren Prozess ({place})</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/copies/folder.py"/>
+        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
         <source>its disk failed to save what was written. It is written again, and what was there before stays until that is complete. If this happens again, replace the disk</source>
         <translation>Sein Datenträger hat nicht gespeichert, was geschrieben wurde. Es wird noch einmal geschrieben, und was vorher da war, bleibt, bis das vollständig ist. Wenn das wieder vorkommt, ersetzen Sie den Datenträger</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/copies/folder.py"/>
+        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
         <source>another core or copy uses the folder. Use another folder, or end that one</source>
         <translation>ein anderer Core oder eine andere Kopie benutzt den Ordner. Nehmen Sie einen anderen Ordner, oder beenden Sie jene</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/copies/folder.py"/>
+        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
         <source>the disk is full. Free space for {folder}</source>
         <translation>Der Datenträger ist voll. Schaffen Sie Platz für {folder}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/copies/folder.py"/>
+        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
         <source>{error}. Check the disk or stick of the copy</source>
         <translation>{error}. Prüfen Sie den Datenträger oder Stick der Kopie</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/copies/folder.py"/>
+        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
         <source>the stick is not mounted. Plug it in again</source>
         <translation>der Stick ist nicht eingehängt. Stecken Sie ihn wieder ein</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/copies/folder.py"/>
+        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
         <source>the folder is missing. Plug the stick in again</source>
         <translation>der Ordner fehlt. Stecken Sie den Stick wieder ein</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/copies/folder.py"/>
+        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
         <source>it was removed. Plug the stick in again</source>
         <translation>er wurde entfernt. Stecken Sie den Stick wieder ein</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/copies/folder.py"/>
+        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
         <source>it was replaced. Plug the stick in again</source>
         <translation>er wurde ausgetauscht. Stecken Sie den Stick wieder ein</translation>
     </message>

@@ -19,9 +19,9 @@ def test_every_script_has_help(script):
 
 def node_of(script):
     """The module of a script's node, or None if it is none."""
-    found = re.search(r"^from roah_rsbb\.nodes\.(\w+) import main", (ROOT / "scripts" / script).read_text("utf-8"),
+    found = re.search(r"^from roah_rsbb\.ros\.(\w+) import main", (ROOT / "scripts" / script).read_text("utf-8"),
                       re.MULTILINE)
-    return found and ROOT / "src" / "roah_rsbb" / "nodes" / f"{found.group(1)}.py"
+    return found and ROOT / "src" / "roah_rsbb" / "ros" / f"{found.group(1)}.py"
 
 
 @pytest.mark.parametrize("script", [script for script in programs.SCRIPTS if node_of(script)])

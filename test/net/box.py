@@ -16,10 +16,10 @@ from support.door_client import DoorClient
 from support.programs import Program
 from support.waiting import wait_until
 
-from roah_rsbb.client.places import DoorPlaces, door_file_in, read_place
+from roah_rsbb.document.places import DoorPlaces, door_file_in, read_place
+from roah_rsbb.journal.bag import missing_bags
 from roah_rsbb.journal.log_dir import holder_of
 from roah_rsbb.journal.reader import JournalReader, journal_in
-from roah_rsbb.run_logs.bag import missing_bags
 
 HERE = pathlib.Path(__file__).resolve().parent
 # Whatever a robot misses in an outage, it has time for its goal afterwards.

@@ -138,7 +138,7 @@ def test_the_table_of_the_box_has_all_objects_of_its_constructor():
 
 
 def test_the_table_of_topics_has_all_that_the_core_publishes():
-    text = "".join(path.read_text(encoding="utf-8") for path in sorted((PACKAGE / "nodes" / "core").glob("*.py")))
+    text = "".join(path.read_text(encoding="utf-8") for path in sorted((PACKAGE / "ros" / "core").glob("*.py")))
     topics = re.findall(r'(?:rospy\.Publisher|LatchedTopic)\("(/\w[\w/]*)"', text)
     assert len(topics) == 7
     assert sorted(row[0] for row in table_of("What the core publishes")) == sorted(topics)

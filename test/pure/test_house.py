@@ -118,7 +118,7 @@ OTHERS = {"robot": {"google", "cryptography", "argcomplete"},
           "check": {"google", "cryptography", "argcomplete", "yaml", "dateutil"},
           "results": {"yaml", "argcomplete", "mcap", "mcap_ros2"},
           "box": {"google", "cryptography", "argcomplete", "yaml", "tornado", "qrcode",
-                  "roah_rsbb.nodes.modules.check_ground_truth", "roah_rsbb.ros.display"}}
+                  "roah_rsbb.ros.modules.check_ground_truth", "roah_rsbb.ros.display"}}
 
 
 def _of_package(package: str) -> List[pathlib.Path]:

@@ -16,6 +16,7 @@ from typing import Callable, Deque, Dict, Iterable, List, Mapping, NamedTuple, O
 
 from roah_rsbb.box.fence import Fence, end_superseded, running_s
 from roah_rsbb.box.journal import ChannelNotes, CoreJournal, Memory, NoMemory, StopNotes, competition, saved_state
+from roah_rsbb.box.run_logs import RunLogWriter
 from roah_rsbb.box.standby_answers import StandbyAnswers
 from roah_rsbb.comm.channels import MakePeer, Network, Seen
 from roah_rsbb.comm.peer import Peer
@@ -35,7 +36,6 @@ from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.radio.radio import CoreRadio, beacon_size
 from roah_rsbb.radio.short_way import Turns
 from roah_rsbb.rulebook.benchmarks import Config, ZonePlan
-from roah_rsbb.run_logs.writer import RunLogWriter
 from roah_rsbb.standby.beside_copy import ahead_of, read_stops
 from roah_rsbb.standby.pairing import read_standby
 from roah_rsbb.wording.texts import escaped

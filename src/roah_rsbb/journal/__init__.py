@@ -1,1 +1,1 @@
-"""The journal: the durable record of a competition, and reading it."""
+"""The journal, the durable record of a competition: written, read, copied to other places; and each run's rosbag."""

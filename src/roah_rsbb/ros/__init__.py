@@ -1,1 +1,1 @@
-"""What all nodes share: parameters, the loop, times, refused calls, the command line."""
+"""The ROS nodes, and what they share. They connect the other folders to rospy and contain no rule of the game."""

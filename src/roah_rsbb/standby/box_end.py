@@ -12,8 +12,8 @@ import threading
 import time
 from typing import Callable, List, Optional, Tuple
 
-from roah_rsbb.copies.folder import CannotWriteCopy
 from roah_rsbb.journal import epochs
+from roah_rsbb.journal.copy_folder import CannotWriteCopy
 from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.model.reason import say
 from roah_rsbb.standby import pairing

@@ -20,9 +20,9 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
-from roah_rsbb.copies.folder import FILES, FileContent, Held, Part
 from roah_rsbb.ground import durable
 from roah_rsbb.journal import log
+from roah_rsbb.journal.copy_folder import FILES, FileContent, Held, Part
 
 # -- messages -----------------------------------------------------------------------------------------
 

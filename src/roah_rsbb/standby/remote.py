@@ -4,9 +4,9 @@ import time
 from types import MappingProxyType
 from typing import Callable, Mapping, NamedTuple, Optional
 
-from roah_rsbb.copies.folder import CannotWriteCopy, Copy, CopyFolder, FileContent, Part
 from roah_rsbb.ground.linux import boot_id
 from roah_rsbb.journal import log
+from roah_rsbb.journal.copy_folder import CannotWriteCopy, Copy, CopyFolder, FileContent, Part
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import decode, encode, say
 from roah_rsbb.standby.beside_copy import ClockDifference, add_stops, stops_in

@@ -19,6 +19,7 @@ from helpers.journaled import JournaledDriver
 from helpers.module_player import FakeModules
 from roah_rsbb.box.journal import competition as competition_of
 from roah_rsbb.box.journal import saved_state
+from roah_rsbb.box.run_logs import log_name
 from roah_rsbb.core.actions import table
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.settings import Settings
@@ -30,7 +31,6 @@ from roah_rsbb.journal.records import Batch
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.protocol import RobotState
-from roah_rsbb.run_logs.writer import log_name
 
 _LARGEST = 300_000
 _VALUES: Tuple[Any, ...] = (

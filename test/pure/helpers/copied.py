@@ -3,9 +3,9 @@
 import pathlib
 
 from helpers.journals import Writer
-from roah_rsbb.copies.folder import Stick
-from roah_rsbb.copies.follower import Follower, JournalSegments
 from roah_rsbb.journal import log
+from roah_rsbb.journal.copy_folder import Stick
+from roah_rsbb.journal.copy_follower import Follower, JournalSegments
 from roah_rsbb.journal.log_dir import JOURNAL
 
 COMPETITION = [["tbm", "HCFGAC", "Alpha", 1, 1, 0.0]]

@@ -214,12 +214,11 @@ class Copy:
     @staticmethod
     def live(folder: str, life: int, recorded: Recorded) -> None:
         """Copy a journal, part by part."""
-        from roah_rsbb.copies import folder as folders
-        from roah_rsbb.copies import follower
-        from roah_rsbb.copies.follower import Follower
-        from roah_rsbb.journal import log, store
+        from roah_rsbb.journal import copy_folder as folders
+        from roah_rsbb.journal import copy_follower, log, store
+        from roah_rsbb.journal.copy_follower import Follower
 
-        log.FULL_BYTES, follower.PART_BYTES, folders.CERTAIN_BYTES = 8000, 3000, 5000
+        log.FULL_BYTES, copy_follower.PART_BYTES, folders.CERTAIN_BYTES = 8000, 3000, 5000
         store.WRITE_S = 60.0  # nobody copies what a busy computer has not written yet
         source = f"{folder}{Copy.SOURCE}"
         journal, _ = Journal.opened(source)
@@ -245,8 +244,8 @@ class Copy:
     @staticmethod
     def found(folder: str, newest: int) -> Found:
         """Start a core with it. Or continue the copy, which is then like the journal."""
-        from roah_rsbb.copies.folder import CopyFolder, drop_drafts
-        from roah_rsbb.copies.follower import Follower
+        from roah_rsbb.journal.copy_folder import CopyFolder, drop_drafts
+        from roah_rsbb.journal.copy_follower import Follower
 
         continued = f"{folder}.continued"
         shutil.copytree(folder, continued)
@@ -286,7 +285,7 @@ class CopyThatTrustsFailedSync(Copy):
     @staticmethod
     def live(folder: str, life: int, recorded: Recorded) -> None:
         """Copy a journal, part by part."""
-        from roah_rsbb.copies import folder as folders
+        from roah_rsbb.journal import copy_folder as folders
 
         folders._syncing = lambda *segments: contextlib.suppress(OSError)
         Copy.live(folder, life, recorded)

@@ -8,8 +8,8 @@ import pytest
 from helpers.referee_box import box, running_zone, zone
 from helpers.running_loop import running
 from roah_rsbb.box.door import Door
-from roah_rsbb.client.places import OWN_VARIABLE, write_place
 from roah_rsbb.document.document import Written
+from roah_rsbb.document.places import OWN_VARIABLE, write_place
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.reason import Refused, say

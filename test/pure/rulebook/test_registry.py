@@ -21,7 +21,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 CODES = re.compile(rf"\b({'|'.join(PROFILES)})\b")
 
 
-@pytest.mark.parametrize("folder", ["core", "comm", "nodes", "robot"])
+@pytest.mark.parametrize("folder", ["core", "comm", "ros", "robot"])
 def test_no_other_file_names_a_code(folder):
     found = [
         f"{path.relative_to(ROOT)}:{number}: {line.strip()}"

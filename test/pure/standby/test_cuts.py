@@ -17,13 +17,13 @@ from helpers.examples import ALL
 from helpers.journaled import NO_LISTENING, JournaledDriver
 from roah_rsbb.box import journal as core_journal
 from roah_rsbb.box.standby_answers import StandbyAnswers
-from roah_rsbb.copies.folder import CannotWriteCopy
-from roah_rsbb.copies.follower import PERIOD_S, RETRY_S, Follower
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.copies import STANDBY, SYNC_S, CopyReport
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal.contents import FIRST
+from roah_rsbb.journal.copy_folder import CannotWriteCopy
+from roah_rsbb.journal.copy_follower import PERIOD_S, RETRY_S, Follower
 from roah_rsbb.journal.log_dir import JOURNAL, CoreSession, Resume
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.reason import Refused, RunName

@@ -18,11 +18,11 @@ import roah_rsbb
 from helpers.copied import contents
 from helpers.journals import Writer
 from helpers.small_disk import CannotMount, SmallDisk
-from roah_rsbb.copies.folder import CannotReadJournal
-from roah_rsbb.copies.follower import Follower, JournalSegments
 from roah_rsbb.ground import durable
 from roah_rsbb.journal import log
 from roah_rsbb.journal.contents import superseded_value
+from roah_rsbb.journal.copy_folder import CannotReadJournal
+from roah_rsbb.journal.copy_follower import Follower, JournalSegments
 from roah_rsbb.journal.epochs import raise_epoch
 from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.journal.records import Kind

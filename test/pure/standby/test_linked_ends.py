@@ -13,10 +13,10 @@ from helpers.competition import run_record
 from helpers.copied import COMPETITION, contents
 from helpers.examples import examples
 from helpers.journals import Writer
-from roah_rsbb.copies import follower
-from roah_rsbb.copies.folder import CannotWriteCopy, Part
-from roah_rsbb.copies.follower import Follower
 from roah_rsbb.ground.linux import boot_id
+from roah_rsbb.journal import copy_follower
+from roah_rsbb.journal.copy_folder import CannotWriteCopy, Part
+from roah_rsbb.journal.copy_follower import Follower
 from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.standby.beside_copy import SAMPLES, Ahead, ahead_of
 from roah_rsbb.standby.channel import BadMessage, decode, encode
@@ -95,7 +95,7 @@ FAULTS = st.sampled_from(["", "", "", "lost", "answer lost", "doubled", "standby
     "entry", "link", "outcome", "step", "step", "down", "up", "box restarts", "core restarts"]), max_size=30),
     st.lists(FAULTS, max_size=60))
 def test_no_fault_of_the_link_makes_a_wrong_copy(story, faults):
-    with tempfile.TemporaryDirectory() as folder, mock.patch.object(follower, "PART_BYTES", 300), \
+    with tempfile.TemporaryDirectory() as folder, mock.patch.object(copy_follower, "PART_BYTES", 300), \
             contextlib.closing(Pair(pathlib.Path(folder))) as ends:
         ends.link.faults = list(faults)
         ends.writer.run(run_record())

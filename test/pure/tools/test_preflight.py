@@ -7,8 +7,8 @@ import pytest
 
 from helpers import slots
 from helpers.config_files import SHIPPED
-from roah_rsbb.client.places import write_place
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
+from roah_rsbb.document.places import write_place
 from roah_rsbb.ground.params import BadParams
 from roah_rsbb.tools import preflight
 from roah_rsbb.tools.competition.files import LAUNCH, launch_text
@@ -168,8 +168,8 @@ def test_windows_matter_with_ros(without_ros, monkeypatch):
     assert "rosrun roah_rsbb referee" in preflight._check_display()[0].remedy
 
 
-@pytest.mark.parametrize("missing", ["roah_rsbb.nodes", "rospy"])
+@pytest.mark.parametrize("missing", ["roah_rsbb.ros", "rospy"])
 def test_markers_are_looked_at_only_where_ros_is(missing, monkeypatch):
-    monkeypatch.delitem(sys.modules, "roah_rsbb.nodes.modules.check_ground_truth", raising=False)
+    monkeypatch.delitem(sys.modules, "roah_rsbb.ros.modules.check_ground_truth", raising=False)
     monkeypatch.setitem(sys.modules, missing, None)
     assert preflight._look() is None

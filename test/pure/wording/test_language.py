@@ -13,10 +13,10 @@ import pytest
 
 from helpers import catalogues, texts_in_code
 from helpers.texts_in_code import fields
-from roah_rsbb.copies import folder
 from roah_rsbb.core import copies
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs import functionality
+from roah_rsbb.journal import copy_folder
 from roah_rsbb.model.reason import Reason, decode, encode
 from roah_rsbb.model.scoring import TIME_LEFT
 from roah_rsbb.standby import remote
@@ -203,7 +203,7 @@ def test_a_manual_operation_is_shown_in_german(logged):
 
 
 def test_a_reason_in_a_sentence_is_translated_too(logged):
-    why = remote._REPORTS(why=folder._FULL(folder="/far"))
+    why = remote._REPORTS(why=copy_folder._FULL(folder="/far"))
     sentence = copies.LAST_ENTRIES(why=copies.ONE_COMPUTER(why=why, place="/s.yaml:3"))
     with in_language(CATALOGUES["de"]):
         assert language.tr_said(sent(sentence)) == (

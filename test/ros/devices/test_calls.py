@@ -7,8 +7,8 @@ import rospy
 from support.waiting import wait_until
 
 from roah_rsbb.core.effects import SetDevice
-from roah_rsbb.nodes.core import devices
-from roah_rsbb.nodes.core.devices import DeviceCalls
+from roah_rsbb.ros.core import devices
+from roah_rsbb.ros.core.devices import DeviceCalls
 from roah_rsbb.srv import Bool, BoolResponse, Percentage, PercentageResponse
 
 

@@ -21,8 +21,8 @@ from support.waiting import LIMIT_S, happened, wait_until
 
 from roah_rsbb.devices.devices import FILE
 from roah_rsbb.msg import DevicesState, DevicesStatus
-from roah_rsbb.nodes.core import devices
 from roah_rsbb.ros import messages
+from roah_rsbb.ros.core import devices
 from roah_rsbb.srv import Bool, Percentage
 
 HOME = pathlib.Path(os.environ.get("ROS_HOME", os.path.expanduser("~/.ros")))

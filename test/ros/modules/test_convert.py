@@ -26,7 +26,7 @@ from roah_rsbb.model.modules import (
 from roah_rsbb.model.scoring import ScoreGroup, ScoreKind, ScoringItem
 from roah_rsbb.msg import ModuleOutcome, ModuleRequest, ModuleRuns
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
-from roah_rsbb.nodes.modules.convert import (
+from roah_rsbb.ros.modules.convert import (
     group_message,
     modules_state_message,
     modules_state_of,

@@ -16,8 +16,8 @@ from support.waiting import wait_until
 
 from roah_rsbb.bmbox.framework.ground_truth import NoPose, Pose3, rotation
 from roah_rsbb.bmbox.host.ground_truth_of_frames import FramesGroundTruth, GroundTruthConfig, Marker, load
-from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
-from roah_rsbb.nodes.modules.tf_frames import TfFrames
+from roah_rsbb.ros.modules.dummy_ground_truth import default_file
+from roah_rsbb.ros.modules.tf_frames import TfFrames
 
 # Frames of the test itself, which nobody else publishes.
 WORLD = "test_world"

@@ -17,8 +17,8 @@ from support.programs import Program, own
 from support.real_input import close_all_windows
 from support.waiting import happened, wait_until
 
-from roah_rsbb.nodes.browser import PAGE, find
-from roah_rsbb.nodes.public import URL
+from roah_rsbb.ros.browser import PAGE, find
+from roah_rsbb.ros.public import URL
 from roah_rsbb.srv import UInt8
 from roah_rsbb.tools.reconnect import own_processes
 

@@ -1,8 +1,8 @@
 """The node on the box's computer that copies the journal to the standby."""
 
-from roah_rsbb.copies.folder import CannotWriteCopy
-from roah_rsbb.copies.follower import PERIOD_S, RETRY_S, Follower
 from roah_rsbb.core.copies import STANDBY, CopyReport
+from roah_rsbb.journal.copy_folder import CannotWriteCopy
+from roah_rsbb.journal.copy_follower import PERIOD_S, RETRY_S, Follower
 from roah_rsbb.standby.beside_copy import newest
 from roah_rsbb.standby.channel import TIMEOUT_S, decode, encode
 from roah_rsbb.standby.remote import CoreState, RemoteCopy

@@ -81,10 +81,10 @@ FAULTS = (
           "        self.state.doubted = self._is_in_progress\n        self.send(How.CHANGE)\n",
           "        self.state.doubted = self._is_in_progress\n"),
     # -- box and standby
-    Fault("a copy lacks the last bytes of a segment that ended", "roah_rsbb.copies.follower",
+    Fault("a copy lacks the last bytes of a segment that ended", "roah_rsbb.journal.copy_follower",
           "in present.items():\n            for part",
           "in list(present.items())[-1 if self._sizes else 0:]:\n            for part"),
-    Fault("a standby answers before its disk", "roah_rsbb.copies.folder",
+    Fault("a standby answers before its disk", "roah_rsbb.journal.copy_folder",
           "                    os.fsync(file.fileno())\n", "                    pass\n"),
     Fault("of two boxes with one epoch, the wrong one stops", "roah_rsbb.standby.pair",
           "self.epoch, self.side is Side.STANDBY", "self.epoch, self.side is Side.BOX"),

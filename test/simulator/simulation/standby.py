@@ -9,8 +9,8 @@ import contextlib
 import os
 import stat
 
-from roah_rsbb.copies.folder import drop_drafts
 from roah_rsbb.journal import epochs
+from roah_rsbb.journal.copy_folder import drop_drafts
 from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.standby import beside_copy
 from roah_rsbb.standby.channel import decode, encode

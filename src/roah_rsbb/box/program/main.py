@@ -135,7 +135,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     # Imported late, because the supervisor needs none of it before it has started the box.
     if not options.unsupervised:
         from roah_rsbb.box.program.supervisor import supervise
-        from roah_rsbb.copies.settings import copy_settings
+        from roah_rsbb.journal.copy_follower import copy_settings
 
         log_to_terminal()
         command = without_ros("run", *given, ALONE)

@@ -27,8 +27,17 @@ from roah_rsbb.box.game import BoxPlace, Game, Machine, Outputs
 from roah_rsbb.box.parameters import BoxParameters, parameters_of
 from roah_rsbb.box.program.parts import LOOPBACK, ControlledDevices, CopyCalls, DrivenModules, Sounds, WebParts
 from roah_rsbb.box.program.supervisor import CopyingProcess
+from roah_rsbb.box.run_logs import RunLogWriter
 from roah_rsbb.box.standing_by import wait_for_journal, wait_for_takeover
-from roah_rsbb.client.places import (
+from roah_rsbb.comm.channels import MakePeer, Network
+from roah_rsbb.comm.complaints import OnceASecond
+from roah_rsbb.comm.peer import Peer
+from roah_rsbb.comm.sender import on_grid
+from roah_rsbb.comm.sockets import ANY_HOST
+from roah_rsbb.core.copies import NO_PORT
+from roah_rsbb.core.effects import Level, SetDevice
+from roah_rsbb.document.calls import EXIT
+from roah_rsbb.document.places import (
     OWN_VARIABLE,
     NotFound,
     door_file_in,
@@ -38,26 +47,17 @@ from roah_rsbb.client.places import (
     user_folder,
     write_place,
 )
-from roah_rsbb.comm.channels import MakePeer, Network
-from roah_rsbb.comm.complaints import OnceASecond
-from roah_rsbb.comm.peer import Peer
-from roah_rsbb.comm.sender import on_grid
-from roah_rsbb.comm.sockets import ANY_HOST
-from roah_rsbb.copies.settings import copy_settings
-from roah_rsbb.core.copies import NO_PORT
-from roah_rsbb.core.effects import Level, SetDevice
-from roah_rsbb.document.calls import EXIT
 from roah_rsbb.ground import linux
 from roah_rsbb.ground.linux import boot_id, open_in_browser
 from roah_rsbb.ground.loop import call_in_loop
 from roah_rsbb.ground.params import BadParams, Params
 from roah_rsbb.ground.signs_of_life import DOORS, Lifeline
+from roah_rsbb.journal.copy_follower import copy_settings
 from roah_rsbb.journal.log_dir import Lock, PortRecord, Resume
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.zone import RUNNING
 from roah_rsbb.rulebook.benchmarks import Config, Durable
-from roah_rsbb.run_logs.writer import RunLogWriter
 from roah_rsbb.web.pairing import CODE_VALID_S
 
 # Seconds between signs of life, and between looks at what only time changes.

@@ -19,7 +19,6 @@ import time
 import uuid
 from typing import Callable, List, Mapping, Optional, Sequence
 
-from roah_rsbb.copies.settings import PARENT, CopySettings
 from roah_rsbb.ground.arguments import without_ros
 from roah_rsbb.ground.linux import ending_signals, ignore_stops, status_of
 from roah_rsbb.ground.params import BadParams
@@ -34,6 +33,7 @@ from roah_rsbb.ground.signs_of_life import (
     Supervision,
     state_of,
 )
+from roah_rsbb.journal.copy_follower import PARENT, CopySettings
 
 # Of the environment of the box: identifies the supervisor, so that `resume:=launch` continues after a crash only.
 LAUNCH = "ROAH_RSBB_LAUNCH"

@@ -9,6 +9,7 @@ import sys
 from typing import Dict, Iterable, Iterator, List, Sequence
 
 from roah_rsbb.ground.installed import NotShipped, shipped_folder
+from roah_rsbb.journal.bag import making_bags, missing_bags, write_bag, write_bags
 from roah_rsbb.journal.log_dir import CONFIGURATION, JOURNAL, kept_files
 from roah_rsbb.journal.reader import JournalError, JournalReader, journal_in
 from roah_rsbb.model import run_log
@@ -19,7 +20,6 @@ from roah_rsbb.rulebook import config, errors
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.standing_rules import OfRuns, StandingRules, read_rules
-from roah_rsbb.run_logs.bag import making_bags, missing_bags, write_bag, write_bags
 from roah_rsbb.scoring.counting import Ruling, RunChoice, Why, rulings, with_events
 from roah_rsbb.wording import times
 from roah_rsbb.wording.texts import visible

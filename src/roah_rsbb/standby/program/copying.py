@@ -22,13 +22,10 @@ from typing import IO, Any, Callable, Dict, List, Mapping, NamedTuple, Optional,
 from roah_rsbb.box.program.main import log_to_terminal
 from roah_rsbb.box.settings import BoxSettings, of_words
 from roah_rsbb.box.standing_by import wait_for_takeover
-from roah_rsbb.client.client import Client, Offer
-from roah_rsbb.client.places import DoorPlace, door_file_in, read_place
-from roah_rsbb.copies.folder import Stick
-from roah_rsbb.copies.follower import Follower, ReportedCopy
-from roah_rsbb.copies.settings import PARENT, CopySettings, copy_settings
 from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, HELPER, STOPPED, Caller
+from roah_rsbb.document.client import Client, Offer
+from roah_rsbb.document.places import DoorPlace, door_file_in, read_place
 from roah_rsbb.ground import linux
 from roah_rsbb.ground.durable import close_to_others
 from roah_rsbb.ground.params import BadParams
@@ -36,6 +33,8 @@ from roah_rsbb.ground.signs_of_life import CONNECTED, LOOK_S, TAKEN, Lifeline, W
 from roah_rsbb.ground.signs_of_life import STANDBY as SIGN_OF_STANDBY
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal import log_dir as log_dirs
+from roah_rsbb.journal.copy_folder import Stick
+from roah_rsbb.journal.copy_follower import PARENT, CopySettings, Follower, ReportedCopy, copy_settings
 from roah_rsbb.journal.log import NewerFormat
 from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.model.document import Document

@@ -8,12 +8,12 @@ import socket
 import time
 from typing import Dict, Iterator, List, Optional, Sequence, TextIO, Tuple
 
-from roah_rsbb.copies.folder import drop_drafts
 from roah_rsbb.ground import durable, linux
 from roah_rsbb.ground.arguments import is_without_ros, typed, without_ros
 from roah_rsbb.journal import epochs
 from roah_rsbb.journal import log_dir as log_dirs
 from roah_rsbb.journal.contents import BoxEpoch, open_journal
+from roah_rsbb.journal.copy_folder import drop_drafts
 from roah_rsbb.journal.log import names_in
 from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.rulebook.benchmarks import Durable

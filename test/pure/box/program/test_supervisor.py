@@ -20,7 +20,7 @@ print("started", starts, *sys.argv[1:], flush=True)
 SUPERVISOR = """
 import sys
 from roah_rsbb.box.program import supervisor
-from roah_rsbb.copies.settings import CopySettings
+from roah_rsbb.journal.copy_follower import CopySettings
 command, copies = ([sys.executable, "-c", open(name).read()] for name in ("box.py", "copies.py"))
 supervisor.without_ros = lambda *words: copies if words[0] == "copies" else [*command, *words]
 supervisor.COPYING_PAUSE_S = supervisor.PAUSE_S = 0.0

@@ -8,9 +8,9 @@ import time
 import pytest
 
 from helpers.waiting import wait_until
-from roah_rsbb.copies.settings import PARENT
 from roah_rsbb.ground import linux
 from roah_rsbb.journal import log_dir as log_dirs
+from roah_rsbb.journal.copy_follower import PARENT
 from roah_rsbb.standby.program.copying import LOCK, _only_one
 
 # It soon finds that nobody is left.

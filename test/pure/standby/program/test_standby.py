@@ -14,10 +14,10 @@ import pytest
 
 from helpers.copied import Copied, contents
 from helpers.journals import Writer
-from roah_rsbb.copies.folder import CopyFolder
 from roah_rsbb.ground import durable, linux
 from roah_rsbb.journal import epochs, log
 from roah_rsbb.journal.contents import BoxEpoch, open_journal
+from roah_rsbb.journal.copy_folder import CopyFolder
 from roah_rsbb.journal.log_dir import JOURNAL, InForce, Texts, write_in_force
 from roah_rsbb.standby import pairing
 from roah_rsbb.standby.beside_copy import PackedModules
@@ -249,7 +249,7 @@ def test_options_that_are_not_possible_change_nothing(copied, monkeypatch, words
 
 def test_the_program_that_keeps_the_copy_is_ended(copied, tmp_path):
     program = tmp_path / "standby"
-    program.write_text("import sys\nfrom roah_rsbb.copies.folder import CopyFolder\n"
+    program.write_text("import sys\nfrom roah_rsbb.journal.copy_folder import CopyFolder\n"
                        "copy = CopyFolder(sys.argv[2])\nprint('open', flush=True)\nsys.stdin.read()\n")
     source = str(pathlib.Path(standby.__file__).parents[3])
     with subprocess.Popen([sys.executable, str(program), "follow", str(copied.stick)], stdout=subprocess.PIPE,

@@ -16,7 +16,7 @@ from roah_rsbb.model.modules import (
 )
 from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
-from roah_rsbb.nodes.modules.convert import modules_state_message, runs_of
+from roah_rsbb.ros.modules.convert import modules_state_message, runs_of
 from support.box_case import BoxCase
 from support.waiting import LIMIT_S, happened, wait_until
 

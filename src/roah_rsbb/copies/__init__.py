@@ -1,1 +1,0 @@
-"""Copies the journal, continuously, to a second place (docs/backup.md)."""

@@ -1,1 +1,0 @@
-"""Run logs: one rosbag per run, made from the journal. Format, naming, making."""
