@@ -360,7 +360,6 @@ class RunScript:
                     reasons = tuple(refused.reasons)  # the zone changed since the snapshot
                 except NoCore as error:
                     gone = error  # the core may come back
-                    self._claim = _Claim.ASKED if command == "connect" else self._claim
                     reasons = ("the core does not answer",)
                 else:
                     self._settle()
@@ -386,11 +385,13 @@ class RunScript:
 
     def _give(self, command: str) -> None:
         given = {"robot": self._plan.robot, "again": self._plan.again} if command == "connect" else {}
-        self._may_start = command == "start"
+        before, self._may_start = self._claim, command == "start"
+        if command == "connect":
+            self._claim = _Claim.ASKED
         try:
             self._link.act(command, self._plan.zone, {name: value for name, value in given.items() if value})
         except Refused:
-            self._may_start = False
+            self._claim, self._may_start = before, False
             raise
 
     def _to_the_end(self) -> ScriptOutcome:
@@ -511,6 +512,8 @@ class RunScript:
                 self._note("interrupted: leaving the run")
                 with contextlib.suppress(NoCore):  # a core that publishes nothing may still obey
                     self._settle()
+                if self._claim is _Claim.ASKED and self._zone().phase != IDLE:
+                    self._claim, self._run = _Claim.UNSURE, self._zone().identity
                 if self._will_run():
                     self._link.stop_run(self._plan.zone, self._run)
                     self._settle()

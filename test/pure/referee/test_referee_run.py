@@ -157,6 +157,18 @@ def test_how_a_run_ends(link, acts, answers, plan, status, text, commands):
     assert " ".join(link.commands) == commands
 
 
+def test_an_interrupt_while_the_connect_is_on_its_way_says_that_a_run_may_be_left(link):
+    def act(*_arguments, **_more):
+        link.connect()
+        raise KeyboardInterrupt
+
+    link.act = act
+    outcome, _ = _run(link)
+    assert (outcome.status, outcome.text, link.zone.phase) == (
+        Exit.INTERRUPTED, "interrupted; left connected: the core did not confirm the connect, so the run may be "
+        "another referee's", "connected")
+
+
 @pytest.mark.parametrize("acts, answers, notes", [
     ([(0, "block", "connect", "No robot for 1 s"), (0, "block", "start", "Robot has not stopped"),
       (3, "block", "connect", "No robot for 2 s", "Skew"), (10, "block", "connect"), (25, "block", "start"),
