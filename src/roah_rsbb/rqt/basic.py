@@ -15,6 +15,7 @@ from roah_rsbb.rqt.qt import (
     QFontMetricsF,
     QLabel,
     QLayout,
+    QMenu,
     QPainter,
     QPalette,
     QPushButton,
@@ -24,6 +25,7 @@ from roah_rsbb.rqt.qt import (
     Qt,
     QTextEdit,
     QTimer,
+    QToolButton,
     QWidget,
 )
 from roah_rsbb.wording import texts
@@ -357,6 +359,20 @@ class FittedText(QWidget):
         room = min(self.width() / width, self.height() / metrics.height())
         font.setPixelSize(max(1, int(100 * room)))
         return font
+
+
+class MenuButton(QToolButton):
+    """A button that opens its menu, `entries`."""
+
+    def __init__(self, text: str, factor: float = 1.0) -> None:
+        super().__init__()
+        enlarged(self, factor, bold=True)
+        self.setText(text)
+        self.setFocusPolicy(Qt.TabFocus)
+        self.setPopupMode(QToolButton.InstantPopup)
+        set_style(self, "QToolButton::menu-indicator { image: none; }")
+        self.entries = QMenu(self)
+        self.setMenu(self.entries)
 
 
 MOST_LEAST_EMS = 8.0

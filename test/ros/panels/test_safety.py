@@ -35,7 +35,7 @@ class TestStop(WindowCase):
         was_open, look = [], QTimer()
 
         def press_in_menu() -> None:  # an open menu has an event loop of its own: nothing else runs here
-            if row.more_menu.isVisible():
+            if row.menu_button.entries.isVisible():
                 look.stop()
                 was_open.append(True)
                 press_key("Escape")
@@ -43,7 +43,7 @@ class TestStop(WindowCase):
         look.timeout.connect(press_in_menu)
         look.start(50)
         click_on(row.menu_button)
-        wait_until(lambda: was_open and not row.more_menu.isVisible(), "the menu was open, and is closed")
+        wait_until(lambda: was_open and not row.menu_button.entries.isVisible(), "the menu was open, and is closed")
         self.wait_prompt("Press Esc again")
         press_key("Escape")
         self.wait_call(*STOP_HOME_A)

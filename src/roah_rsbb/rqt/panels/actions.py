@@ -20,11 +20,9 @@ from roah_rsbb.rqt.qt import (
     QHBoxLayout,
     QLabel,
     QLineEdit,
-    QMenu,
     QMessageBox,
     Qt,
     QTimer,
-    QToolButton,
     QVBoxLayout,
     QWidget,
 )
@@ -228,36 +226,29 @@ class RuleButtons(QWidget):
         self.setVisible(is_visible)
 
 
-class MoreMenu(QToolButton):
+class MoreMenu(basic.MenuButton):
     """The team's robots to choose from, and the actions without a place of their own."""
 
     def __init__(self, connect_robot: Callable[[str], None], press: Callable[[Action], None]) -> None:
-        super().__init__()
-        self.setText("⋯")
+        super().__init__("⋯", 1.3)
         self.setToolTip(tr("Choose a robot, score without a robot, no-show"))
-        self.setFocusPolicy(Qt.TabFocus)
-        self.setPopupMode(QToolButton.InstantPopup)
-        basic.enlarged(self, 1.3, bold=True)
-        basic.set_style(self, "QToolButton::menu-indicator { image: none; }")
         self._connect_robot = connect_robot
-        self._menu = QMenu(self)
-        self._menu.setToolTipsVisible(True)
+        self.entries.setToolTipsVisible(True)
         self._robots: Sequence[str] = ()
         self.robots: Sequence[QAction] = ()  # one for each of the team's robots
         self.actions_of: Dict[str, QAction] = {}
         for action in filter(is_offered, others(Row.MORE)):
             dots = " …" if action.question or entered(action.fields) else ""
-            entry = self._menu.addAction(tr(action.label) + dots)
+            entry = self.entries.addAction(tr(action.label) + dots)
             entry.triggered.connect(lambda _checked=False, action=action: press(action))
             self.actions_of[action.name] = entry
-        self._line = self._menu.insertSeparator(next(iter(self.actions_of.values())))
+        self._line = self.entries.insertSeparator(next(iter(self.actions_of.values())))
         self._line.setVisible(False)
-        self.setMenu(self._menu)
 
     def show_zone(self, zone: Optional[ZoneSeen], silent: str) -> None:
         """Show what is possible now. An open menu does not change its entries, only what is possible."""
         robots = () if zone is None or silent else zone.robots_to_choose
-        if robots != self._robots and not self._menu.isVisible():
+        if robots != self._robots and not self.entries.isVisible():
             self._show_robots(robots)
         for entry in self.robots:
             entry.setEnabled(bool(robots))
@@ -269,11 +260,11 @@ class MoreMenu(QToolButton):
 
     def _show_robots(self, robots: Sequence[str]) -> None:
         for action in self.robots:
-            self._menu.removeAction(action)
+            self.entries.removeAction(action)
         self._robots, self.robots = robots, []
         for robot in robots:
-            action = QAction(tr("Connect {robot}", robot=robot), self._menu)
+            action = QAction(tr("Connect {robot}", robot=robot), self.entries)
             action.triggered.connect(lambda _checked=False, robot=robot: self._connect_robot(robot))
-            self._menu.insertAction(self._line, action)
+            self.entries.insertAction(self._line, action)
             self.robots.append(action)
         self._line.setVisible(bool(robots))

@@ -29,7 +29,6 @@ from roah_rsbb.rqt.qt import (
     QKeySequence,
     QLabel,
     QLineEdit,
-    QMenu,
     QShortcut,
     QSizePolicy,
     Qt,
@@ -49,22 +48,16 @@ NO_BROWSER = tr_later("No browser opens here. Open {page} in one, and type the c
 AGAIN_MS = 2000
 
 
-class PagesButton(QToolButton):
+class PagesButton(basic.MenuButton):
     """Opens a part of the page in a browser, which a code from the box's door pairs. While no pages are served, it is
     off and says why."""
 
     def __init__(self, panel: Panel, answer: AnswerLine) -> None:
-        super().__init__()
+        super().__init__(tr("Results …"))
         self._panel = panel
         self._answer = answer
-        self.setText(tr("Results …"))
-        self.setFocusPolicy(Qt.TabFocus)
-        self.setPopupMode(QToolButton.InstantPopup)
-        basic.set_style(basic.enlarged(self, 1.0, bold=True), "QToolButton::menu-indicator { image: none; }")
-        menu = QMenu(self)
         for part, text in PARTS.items():
-            menu.addAction(tr(text)).triggered.connect(lambda _checked=False, part=part: self._ask_code(part))
-        self.setMenu(menu)
+            self.entries.addAction(tr(text)).triggered.connect(lambda _checked=False, part=part: self._ask_code(part))
         self._again = QTimer(self, singleShot=True, timeout=self._look)
         self._allow(tr("Waiting for the core"))
         self._look()

@@ -32,12 +32,10 @@ from roah_rsbb.rqt.qt import (
     QKeySequence,
     QLabel,
     QLineEdit,
-    QMenu,
     QScrollArea,
     QShortcut,
     QStackedLayout,
     Qt,
-    QToolButton,
     QVBoxLayout,
     QWidget,
 )
@@ -122,17 +120,11 @@ class ItemRow(QWidget):
         raise NotImplementedError
 
     def _add_menu(self, ask: Callable[[], None]) -> None:
-        self.more_menu = QMenu(self)
-        self.not_attempted = self.more_menu.addAction(tr("Not attempted"))
+        self.menu_button = basic.MenuButton("⋯")
+        self.not_attempted = self.menu_button.entries.addAction(tr("Not attempted"))
         self.not_attempted.setCheckable(True)
         self.not_attempted.triggered.connect(lambda on: self._change(NOT_ATTEMPTED if on else self.nothing))
-        self.with_note = self.more_menu.addAction(tr("With a note …"), ask)
-        self.menu_button = QToolButton()
-        self.menu_button.setText("⋯")
-        self.menu_button.setFocusPolicy(Qt.TabFocus)
-        self.menu_button.setPopupMode(QToolButton.InstantPopup)
-        self.menu_button.setMenu(self.more_menu)
-        basic.set_style(self.menu_button, "QToolButton::menu-indicator { image: none; }")
+        self.with_note = self.menu_button.entries.addAction(tr("With a note …"), ask)
         self.line.addWidget(self.menu_button)
         self._buttons.append(self.menu_button)
 
