@@ -401,14 +401,6 @@ class TestPlugins(CoreCase):
         # A busy master may take longer than the client waits for it at its end.
         wait_until(lambda: "/devices/state" not in dict(rosgraph.Master("/t").getSystemState()[1]), "it has left")
 
-    def test_following_is_kept(self) -> None:
-        panel, settings = self.open(LogDisplayPanel), Settings()
-        panel.follow.setChecked(False)
-        panel.save_settings(settings)
-        panel.follow.setChecked(True)
-        panel.restore_settings(settings)
-        self.assertFalse(panel.follow.isChecked())
-
 
 class TestWindow(CoreCase):
     def test_the_window_keeps_its_layout_and_its_panels_settings(self) -> None:

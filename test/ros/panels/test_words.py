@@ -15,7 +15,6 @@ from roah_rsbb.rqt.calls import CallOutcome
 from roah_rsbb.rqt.model import Sheets
 from roah_rsbb.rqt.panels import benchmark_control, scoring
 from roah_rsbb.rqt.panels.score_sheet import ScoreDialog
-from roah_rsbb.scoring.sheet import Mark
 
 
 class TestSheets(unittest.TestCase):
@@ -85,10 +84,6 @@ class TestScoringWithWords(WordsCase):
         click(self.bumps.more)
         self.wait_words(self.zone.identity, "", "Anna")
 
-    def test_another_referees_mark_is_shown(self) -> None:
-        self.zone.mark(Mark(*BUMPS, not_attempted=True), "Ben")
-        wait_until(lambda: self.bumps.number.text() == "n/a", "it is shown")
-
     def test_a_note(self) -> None:
         self.bumps.with_note.trigger()
         dialog = opened(ScoreDialog)
@@ -119,42 +114,51 @@ class TestScoringWithWords(WordsCase):
         self.assertEqual((self.client.referee.name, self.panel.referee.text()), ("Cleo", "Cleo"))
 
 
+
 class TestStopReason(WordsCase):
     PANEL = benchmark_control.BenchmarkControlPanel
 
+    def setUp(self) -> None:
+        super().setUp()
+        self.line = self.panel.reason
+
+    def stop(self) -> None:
+        self.zone.command("stop")
+        wait_until(self.line.isEnabled, "a reason may be typed")
+
+    def type(self, text: str) -> None:
+        QTest.keyClicks(self.line, text)
+        QTest.keyClick(self.line, Qt.Key_Return)
+
     def test_it_is_typed_after_the_stop(self) -> None:
-        line, identity = self.panel.reason, self.zone.identity
+        line, identity = self.line, self.zone.identity
         wait_until(lambda: "RUNNING" in self.panel.phase.text(), "the run is shown")
         self.assertFalse(line.isEnabled())
         click(self.strip.stop)
         wait_until(line.isEnabled, "a reason may be typed")
-        QTest.keyClicks(line, "fire alarm")
-        QTest.keyClick(line, Qt.Key_Return)
+        self.type("fire alarm")
         self.wait_words(identity, "fire alarm", "Anna")
         wait_until(lambda: self.zone.run.book.state.stops[0].reason == "fire alarm", "it is saved")
         wait_until(lambda: line.text() == "fire alarm", "it stays")
-        QTest.keyClicks(line, " in the kitchen")
-        QTest.keyClick(line, Qt.Key_Return)
+        self.type(" in the kitchen")
         self.wait_words(identity, "fire alarm in the kitchen", "Anna")
         wait_until(lambda: line.text() == "fire alarm in the kitchen", "the longer one stays")
 
     def test_a_sheet_from_before_does_not_take_the_text_away(self) -> None:
-        line = self.panel.reason
-        self.zone.command("stop")
-        wait_until(line.isEnabled, "a reason may be typed")
+        line = self.line
+        self.stop()
         known = line._sheets.newest
         wait_until(lambda: known(line._summary) is not None and known(line._summary).ends, "the sheet is known")
         before = known(line._summary)
         before = before._replace(run=before.run._replace(revision=before.run.revision + 1))
         limit(self, line._sheets, "newest", lambda summary: before)
-        QTest.keyClicks(line, "fire alarm")
-        QTest.keyClick(line, Qt.Key_Return)
+        self.type("fire alarm")
         self.wait_words(self.zone.identity, "fire alarm", "Anna")
         self.wait_heard()
         self.assertEqual(line.text(), "fire alarm")
 
     def test_it_stays_visible_and_editable_until_the_sign_off(self) -> None:
-        line, identity = self.panel.reason, self.zone.identity
+        line, identity = self.line, self.zone.identity
         self.zone.command("stop")
         scores = self.core.box.scores
         self.core.event(scores.give_stop_reason, RunName("Home A"), "fire alarm", "Ben")  # by another client
@@ -169,14 +173,12 @@ class TestStopReason(WordsCase):
         self.assertIn("signed off by Cleo", line.toolTip())
 
     def test_it_is_of_the_run_that_was_stopped_also_after_it_is_left(self) -> None:
-        line, identity = self.panel.reason, self.zone.identity
-        self.zone.command("stop")
-        wait_until(line.isEnabled, "a reason may be typed")
+        line, identity = self.line, self.zone.identity
+        self.stop()
         QTest.keyClicks(line, "the door ")
         self.zone.command("disconnect")
         wait_until(lambda: "NOT CONNECTED" in self.panel.phase.text(), "the run is left")
-        QTest.keyClicks(line, "was locked")
-        QTest.keyClick(line, Qt.Key_Return)
+        self.type("was locked")
         self.wait_words(identity, "the door was locked", "Anna")
         QTest.keyClicks(line, " twice")
         self.zone.command("connect")
@@ -184,11 +186,9 @@ class TestStopReason(WordsCase):
         wait_until(lambda: not line.isEnabled() and not line.text(), "another run begins")
 
     def test_a_refusal_keeps_what_was_typed(self) -> None:
-        line = self.panel.reason
-        self.zone.command("stop")
-        wait_until(line.isEnabled, "a reason may be typed")
+        line = self.line
+        self.stop()
         self.core.refuse = "signed off"
-        QTest.keyClicks(line, "why")
-        QTest.keyClick(line, Qt.Key_Return)
+        self.type("why")
         wait_until(lambda: "signed off" in self.panel.answer.text(), "the refusal is shown")
         self.assertEqual(line.text(), "why")
