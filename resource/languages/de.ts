@@ -3302,31 +3302,6 @@
         <translation>Pose</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/box/game.py"/>
-        <source>stopped, not yet recorded</source>
-        <translation>gestoppt, noch nicht aufgezeichnet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/box/game.py"/>
-        <source>stopped, not yet recorded: {why}</source>
-        <translation>gestoppt, noch nicht aufgezeichnet: {why}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/box/game.py"/>
-        <source>the disk of log_dir takes no data. The robot gets STOP all the same. Check the disk</source>
-        <translation>die Festplatte von log_dir nimmt keine Daten an. Der Roboter bekommt STOP trotzdem. Prüfen Sie die Festplatte</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/box/game.py"/>
-        <source>the journal cannot be written: {why}. The robot gets STOP all the same. Free or repair the disk of log_dir</source>
-        <translation>das Journal kann nicht geschrieben werden: {why}. Der Roboter bekommt STOP trotzdem. Schaffen Sie Platz auf der Festplatte von log_dir, oder reparieren Sie sie</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/box/game.py"/>
-        <source>the standby does not have it, because it is not connected. Write the STOP down, and check the standby</source>
-        <translation>der Standby hat es nicht, weil er nicht verbunden ist. Schreiben Sie das STOP auf, und prüfen Sie den Standby</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/box/calls.py"/>
         <source>not saved: {why}. It counts, and is saved as soon as the disk can be written: do not enter it again. Free or repair the disk of log_dir</source>
         <translation>nicht gespeichert: {why}. Die Eingabe zählt und wird gespeichert, sobald der Datenträger beschrieben werden kann: Geben Sie sie nicht noch einmal ein. Schaffen Sie Platz auf dem Datenträger von log_dir, oder reparieren Sie ihn</translation>
@@ -3350,6 +3325,31 @@
         <location filename="../../src/roah_rsbb/box/calls.py"/>
         <source>The values of the fields are not a JSON object, such as {example}</source>
         <translation>Die Werte der Felder sind kein JSON-Objekt wie {example}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/game.py"/>
+        <source>stopped, not yet recorded</source>
+        <translation>gestoppt, noch nicht aufgezeichnet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/game.py"/>
+        <source>stopped, not yet recorded: {why}</source>
+        <translation>gestoppt, noch nicht aufgezeichnet: {why}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/game.py"/>
+        <source>the disk of log_dir takes no data. The robot gets STOP all the same. Check the disk</source>
+        <translation>die Festplatte von log_dir nimmt keine Daten an. Der Roboter bekommt STOP trotzdem. Prüfen Sie die Festplatte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/game.py"/>
+        <source>the journal cannot be written: {why}. The robot gets STOP all the same. Free or repair the disk of log_dir</source>
+        <translation>das Journal kann nicht geschrieben werden: {why}. Der Roboter bekommt STOP trotzdem. Schaffen Sie Platz auf der Festplatte von log_dir, oder reparieren Sie sie</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/game.py"/>
+        <source>the standby does not have it, because it is not connected. Write the STOP down, and check the standby</source>
+        <translation>der Standby hat es nicht, weil er nicht verbunden ist. Schreiben Sie das STOP auf, und prüfen Sie den Standby</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/offers.py"/>
@@ -3385,46 +3385,6 @@
         <location filename="../../src/roah_rsbb/box/program/modules_process.py"/>
         <source>its rules end their process ({place})</source>
         <translation>seine Regeln beenden ihren Prozess ({place})</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
-        <source>its disk failed to save what was written. It is written again, and what was there before stays until that is complete. If this happens again, replace the disk</source>
-        <translation>Sein Datenträger hat nicht gespeichert, was geschrieben wurde. Es wird noch einmal geschrieben, und was vorher da war, bleibt, bis das vollständig ist. Wenn das wieder vorkommt, ersetzen Sie den Datenträger</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
-        <source>another core or copy uses the folder. Use another folder, or end that one</source>
-        <translation>ein anderer Core oder eine andere Kopie benutzt den Ordner. Nehmen Sie einen anderen Ordner, oder beenden Sie jene</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
-        <source>the disk is full. Free space for {folder}</source>
-        <translation>Der Datenträger ist voll. Schaffen Sie Platz für {folder}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
-        <source>{error}. Check the disk or stick of the copy</source>
-        <translation>{error}. Prüfen Sie den Datenträger oder Stick der Kopie</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
-        <source>the stick is not mounted. Plug it in again</source>
-        <translation>der Stick ist nicht eingehängt. Stecken Sie ihn wieder ein</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
-        <source>the folder is missing. Plug the stick in again</source>
-        <translation>der Ordner fehlt. Stecken Sie den Stick wieder ein</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
-        <source>it was removed. Plug the stick in again</source>
-        <translation>er wurde entfernt. Stecken Sie den Stick wieder ein</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
-        <source>it was replaced. Plug the stick in again</source>
-        <translation>er wurde ausgetauscht. Stecken Sie den Stick wieder ein</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/actions/modules.py"/>
@@ -4330,6 +4290,46 @@
         <location filename="../../src/roah_rsbb/devices/devices.py"/>
         <source>there is no device {name}, or its value is not a whole number: give one of {names}</source>
         <translation>Es gibt kein Gerät {name}, oder sein Wert ist keine ganze Zahl: Geben Sie eines von {names} an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
+        <source>its disk failed to save what was written. It is written again, and what was there before stays until that is complete. If this happens again, replace the disk</source>
+        <translation>Sein Datenträger hat nicht gespeichert, was geschrieben wurde. Es wird noch einmal geschrieben, und was vorher da war, bleibt, bis das vollständig ist. Wenn das wieder vorkommt, ersetzen Sie den Datenträger</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
+        <source>another core or copy uses the folder. Use another folder, or end that one</source>
+        <translation>ein anderer Core oder eine andere Kopie benutzt den Ordner. Nehmen Sie einen anderen Ordner, oder beenden Sie jene</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
+        <source>the disk is full. Free space for {folder}</source>
+        <translation>Der Datenträger ist voll. Schaffen Sie Platz für {folder}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
+        <source>{error}. Check the disk or stick of the copy</source>
+        <translation>{error}. Prüfen Sie den Datenträger oder Stick der Kopie</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
+        <source>the stick is not mounted. Plug it in again</source>
+        <translation>der Stick ist nicht eingehängt. Stecken Sie ihn wieder ein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
+        <source>the folder is missing. Plug the stick in again</source>
+        <translation>der Ordner fehlt. Stecken Sie den Stick wieder ein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
+        <source>it was removed. Plug the stick in again</source>
+        <translation>er wurde entfernt. Stecken Sie den Stick wieder ein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
+        <source>it was replaced. Plug the stick in again</source>
+        <translation>er wurde ausgetauscht. Stecken Sie den Stick wieder ein</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
