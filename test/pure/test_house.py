@@ -111,6 +111,38 @@ def test_no_folder_imports_what_it_may_not():
     assert KNOWN - set(problems) == set(), "these are repaired: take them out of KNOWN"
 
 
+def _used() -> Dict[str, Set[str]]:
+    """What the files of each row import, without the package's name."""
+    used: Dict[str, Set[str]] = {}
+    for path in _files():
+        names = {name[len("roah_rsbb."):] if name.startswith("roah_rsbb.") else name for name in _imported(path)}
+        used.setdefault(_row(_module(path)), set()).update(names)
+    return used
+
+
+def test_the_table_allows_only_what_is_used():
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    part = page[page.index("\n## Imports\n"):]
+    used, unused = _used(), []
+    for row in re.findall(r"^\| (`.*) \|$", part[:part.index("\n## ", 1)], re.MULTILINE):
+        folders, *allowed = (re.findall(r"`([\w.]+)`", cell) for cell in row.split("|"))
+        names = set().union(*(used.get(folder, set()) for folder in folders))
+        unused += [f"{folders[0]}: {place}" for place in (*allowed[0], *allowed[1])
+                   if place not in folders and not any(_is_in(name, place) for name in names)]
+    assert unused == []
+
+
+def test_no_folder_imports_a_floor_above():
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    floors = {folder: int(number) for number, folders in re.findall(r"^\| (\d) \| [^|]* \| (.*) \|$", page, re.MULTILINE)
+              for folder in re.findall(r"`(\w+)`", folders)}
+    tops = {module.split(".")[0] for module in MODULES} - {"__init__"}
+    assert set(floors) == tops
+    assert {f"{row} imports {name}" for row, names in _used().items() for name in names
+            if name.split(".")[0] in tops and floors[name.split(".")[0]] > floors.get(row.split(".")[0], 0)
+            and row != "__init__"} == set()
+
+
 CONTENTS = runpy.run_path(str(ROOT / "packaging" / "contents.py"))
 # What else the modules of a package may import: what is installed with it, and what they do without.
 OTHERS = {"robot": {"google", "cryptography", "argcomplete"},
