@@ -134,8 +134,8 @@ def test_the_table_allows_only_what_is_used():
 
 def test_no_folder_imports_a_floor_above():
     page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    floors = {folder: int(number) for number, folders in re.findall(r"^\| (\d) \| [^|]* \| (.*) \|$", page, re.MULTILINE)
-              for folder in re.findall(r"`(\w+)`", folders)}
+    rows = re.findall(r"^\| (\d) \| [^|]* \| (.*) \|$", page, re.MULTILINE)
+    floors = {folder: int(number) for number, folders in rows for folder in re.findall(r"`(\w+)`", folders)}
     tops = {module.split(".")[0] for module in MODULES} - {"__init__"}
     assert set(floors) == tops
     assert {f"{row} imports {name}" for row, names in _used().items() for name in names
