@@ -7,7 +7,7 @@ that it cannot send commands to the terminal.
 import json
 import re
 from functools import partial
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
@@ -92,7 +92,7 @@ def _event_row(event: EventSeen, in_utc: bool) -> Tuple[str, ...]:
         escaped(event.zone), f"{event.number}{'*' if event.current else ''}",
         times.formatted(event.scheduled_utc_s, "%Y-%m-%d %H:%M", in_utc), estimate + begins,
         schedule.delay_text(event.late_s),
-        escaped(sheets.run_name(event.code, event.team, event.round, event.run)), schedule.state_text(event),
+        _which(event), schedule.state_text(event),
         escaped(event.score), schedule.sheet_text(event),
     )
 
@@ -200,7 +200,7 @@ def item_line(item: SheetItem) -> str:
     return f"{escaped(item.group)}: {escaped(item.desc)}: {item_text(item)}"
 
 
-def _which(event: Event) -> str:
+def _which(event: Union[Event, EventSeen, RunLine]) -> str:
     return sheets.run_name(escaped(event.code), escaped(event.team), event.round, event.run)
 
 
@@ -234,9 +234,8 @@ def run_lines(runs: Sequence[RunLine], style: Style) -> List[str]:
 
 def _run_line(run: RunLine, style: Style) -> str:
     when = "now      " if run.closed_utc_s is None else style.moments.stamp(run.closed_utc_s)
-    which = sheets.run_name(escaped(run.code), escaped(run.team), run.round, run.run)
     score = f"  {escaped(run.score)}" if run.score else ""
-    return f"{when}  {escaped(run.identity)}  {which}: {_run_state(run, style)}{score}"
+    return f"{when}  {escaped(run.identity)}  {_which(run)}: {_run_state(run, style)}{score}"
 
 
 def _run_state(run: RunLine, style: Style) -> str:
@@ -292,7 +291,7 @@ def progress_lines(run: Optional[RunLine], one: Judging, utc_s: float, style: St
 
     name = escaped(one.identity)
     if run is not None:
-        name = f"{sheets.run_name(escaped(run.code), escaped(run.team), run.round, run.run)}  {escaped(run.identity)}"
+        name = f"{_which(run)}  {name}"
     known = [judging.missing_text(one), judging.publication_text(one, utc_s, when)]
     differences = judging.differences_text(one)
     lines = [f"{_IN}{escaped(line)}" for line in [*map(judging.judge_line, one.judges), *filter(None, known)]]

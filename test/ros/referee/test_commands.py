@@ -7,7 +7,6 @@ status, its signals, its files and what it leaves at the master.
 import contextlib
 import json
 import os
-import pty
 import signal
 import socket
 import subprocess
@@ -32,20 +31,6 @@ from roah_rsbb.scoring.sheet import Mark
 # The time limit for what never answers.
 SOON_S = 0.5
 DOOR = ("Achievements", "The robot detects the door with changed state")
-
-
-def on_terminal(*words: str) -> str:
-    """Return the output of a referee on a real terminal."""
-    master, slave = pty.openpty()
-    process = start((own("referee"), *words), (slave, slave, slave), TERM="xterm")
-    os.close(slave)
-    shown = b""
-    with contextlib.suppress(OSError):  # the terminal's other end is closed
-        while True:
-            shown += os.read(master, 4096)
-    os.close(master)
-    process.wait(LIMIT_S)
-    return shown.decode()
 
 
 class WithCore(unittest.TestCase):
@@ -246,7 +231,6 @@ class TestCommands(WithCore):
         self.assertEqual(self.core.calls, [("operation", "Home A", 4, "skip")])
 
     def test_colour_on_a_terminal_only_and_not_where_it_is_unwanted(self) -> None:
-        self.assertIn("\x1b[", on_terminal("status"))
         for has_colour, words, environment in (
             (True, ["status"], {"NO_COLOR": ""}), (False, ["status"], {"NO_COLOR": "1"}),
             (False, ["status"], {"TERM": "dumb"}), (False, ["status", "--json"], {}),
