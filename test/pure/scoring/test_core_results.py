@@ -54,20 +54,6 @@ def test_a_run_is_kept_with_its_score_when_it_is_left():
     assert run.module_scores == ()
 
 
-def test_a_run_that_is_left_while_it_runs_was_stopped():
-    driver = BoxDriver()
-    driver.executing()
-    driver.command("disconnect")
-    assert _kept(driver) == [("tbm", "HGTKMH", "stopped")]
-
-
-def test_a_run_that_was_never_started_has_no_record():
-    driver = BoxDriver()
-    driver.connected()
-    driver.command("disconnect")
-    assert driver.box.finished.records() == []
-
-
 def test_what_was_entered_for_a_run_is_kept_though_it_was_never_started():
     """Its start may be what a power failure took."""
     driver = BoxDriver()

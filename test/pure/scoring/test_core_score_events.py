@@ -210,15 +210,6 @@ def test_not_attempted_and_withdrawn_are_logged_with_the_value_that_counts(drive
     )
 
 
-def test_a_module_receives_a_withdrawal():
-    driver, modules, _ = started()
-    _score(driver, BUMPS, 3)
-    driver.taken()
-    driver.event(driver.box.scores.withdraw, RunName("tbm"), 1)
-    assert effects.ModuleRunsChanged() in driver.effects
-    assert {item.desc: value for group in modules.run().sheet for item, value in group.items}["bumps"] == 0
-
-
 def test_typed_text_is_one_line_and_bounded(driver):
     driver.connected()
     _score(driver, BUMPS, 1, who=" A\tB\n" + "x" * 1000, note="  two\n lines\x00 ")

@@ -20,7 +20,6 @@ from helpers.all_robots import (
 )
 from helpers.competition import event
 from roah_rsbb.core import effects
-from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import document
@@ -316,30 +315,6 @@ def test_device_commands_are_ignored_and_said_once_a_robot():
     warnings = driver.notices(Level.WARNING)
     assert len(warnings) == 1
     assert warnings[0].startswith(R2)
-
-
-def test_manual_operations_and_switches_are_refused():
-    driver, _ = running()
-    with pytest.raises(Refused, match="zone 'tbm' has no manual operation now"):
-        driver.event(driver.box.act, Target("tbm"), "operation")
-    with pytest.raises(Refused, match="which has no switches"):
-        driver.event(driver.box.act, Target("tbm"), "confirm_switches")
-
-
-def test_a_step_of_the_boxs_clock_makes_all_skews_be_measured_again():
-    driver, robots = connected()
-    driver.set_clock(100)
-    driver.event(driver.box.tick)
-    assert all(member.link.skew is None for member in driver.run_in().members())
-    for robot in robots:
-        robot.says()
-    assert driver.off("start") == []
-
-
-def test_robots_in_it_stay_active():
-    driver, robots = running()
-    live_all(driver, robots, 40)
-    assert [seen.robot for seen in document.robots(driver.box, driver.now).values()] == ["r1", "r2", "r3"]
 
 
 def test_it_is_in_the_publics_schedule():

@@ -125,11 +125,6 @@ def test_without_a_ready_robot_the_run_does_not_start():
     assert f"{R2}: {NO_ANSWER}; 10.0.0.3: wrong password?" in driver.off("start")
 
 
-def test_it_is_started_once():
-    driver, _ = running()
-    assert driver.off("start") == ["Already started"]
-
-
 # -- the run ------------------------------------------------------------------------------------------
 
 
@@ -342,17 +337,6 @@ def test_the_box_is_looked_at_when_the_robots_have_had_their_time_to_stop():
     assert driver.box.deadline() == due
 
 
-def test_time_that_is_up_after_a_stop_is_up():
-    driver, robots = running(timeout=60.0)
-    driver.command("stop")
-    for robot in robots:
-        robot.says(RobotState.STOP)
-    live_all(driver, robots, 61)
-    assert driver.off("start") == [
-        "The run's time is up (the clock kept running after the stop): disconnect, and connect for a new run"
-    ]
-
-
 def test_disconnect_stops_all_robots_and_closes_all_channels():
     driver, robots = running()
     driver.taken()
@@ -374,13 +358,3 @@ def test_after_a_completed_run_the_next_event_follows():
         robot.completes()
     driver.command("disconnect")
     assert driver.view().event.code == "HWV"
-
-
-@pytest.mark.parametrize("command", ["stop", "disconnect"])
-def test_after_any_other_end_it_does_not(command):
-    driver, robots = running(event("HWV"))
-    robots[0].completes()
-    driver.command(command)
-    if command == "stop":
-        driver.command("disconnect")
-    assert driver.view().event.code == "HSUF"
