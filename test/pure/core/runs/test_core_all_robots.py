@@ -317,6 +317,16 @@ def test_device_commands_are_ignored_and_said_once_a_robot():
     assert warnings[0].startswith(R2)
 
 
+def test_a_step_of_the_boxs_clock_makes_all_skews_be_measured_again():
+    driver, robots = connected()
+    driver.set_clock(100)
+    driver.event(driver.box.tick)
+    assert all(member.link.skew is None for member in driver.run_in().members())
+    for robot in robots:
+        robot.says()
+    assert driver.off("start") == []
+
+
 def test_it_is_in_the_publics_schedule():
     driver, _ = connected()
     assert [line.running for line in document.coming_events(driver.box)] == [True, False]
