@@ -160,11 +160,9 @@ class JournalReader:
         """The UTC seconds of the last thing in the journal; 0.0: there is none."""
         return max(self._contents.times)
 
-    def entries(self, identity: str, without: Sequence[str] = ()) -> List[JournalEntry]:
-        """All entries of a run (empty: of no run), in order, except its states and the entries `without` which the
-        caller can do."""
-        return [entry for entry in self._entries(self._of(identity), (records.ENTRIES,))
-                if entry.identity == identity and entry.kind not in without]
+    def entries(self, identity: str) -> List[JournalEntry]:
+        """All entries of a run (empty: of no run), in order, except its states."""
+        return [entry for entry in self._entries(self._of(identity), (records.ENTRIES,)) if entry.identity == identity]
 
     def entries_of(self, identities: Collection[str]) -> Iterator[JournalEntry]:
         """All entries of these runs, in order for each run, except its states. Each segment is read once."""
@@ -180,18 +178,10 @@ class JournalReader:
         """Whether a run was disconnected."""
         return self._contents.runs[identity].closed is not None
 
-    def states(self, identity: str, without: Sequence[str] = ()) -> List[JournalEntry]:
-        """The states of a run, in order, for `changes.ChangesReader`. `without`: parts of the state, such as
-        `zone.run.link`, that are left out."""
-        found = [entry for entry in self._entries(self._of(identity), (records.STATES_OF_RUNS,))
-                 if entry.identity == identity]
-        for entry in found:
-            change = entry.value.get("change") if isinstance(entry.value, dict) else None
-            # A complete state is the only item of a list (`changes.py`).
-            state = change[0] if isinstance(change, list) and len(change) == 1 else change
-            for part in without:
-                _remove(state, part.split("."))
-        return found
+    def states(self, identity: str) -> List[JournalEntry]:
+        """The states of a run, in order, for `ChangesReader`."""
+        return [entry for entry in self._entries(self._of(identity), (records.STATES_OF_RUNS,))
+                if entry.identity == identity]
 
     def commands(self, zone: str) -> List[JournalEntry]:
         """The referees' commands to a zone, including refused ones, in order."""
@@ -361,12 +351,3 @@ class JournalReader:
     def _unreadable(self, error: OSError) -> JournalError:
         return JournalError(
             f"{error.filename or self.path}: cannot be read: {error.strerror}. Its owner can make it readable")
-
-
-def _remove(state: Any, path: Sequence[str]) -> None:
-    """Remove a part of a state."""
-    for name in path[:-1]:
-        # A part that is new in a difference is the only item of a list.
-        state = state.get(name) if isinstance(state, dict) else None
-    if isinstance(state, dict):
-        state.pop(path[-1], None)

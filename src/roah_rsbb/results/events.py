@@ -1,7 +1,7 @@
 """What happened in a run: the journal's entries as lines of text, grouped by subject, and the goals of the robots."""
 
 import json
-from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.journal.reader import JournalEntry
 from roah_rsbb.journal.records import Kind
@@ -39,25 +39,18 @@ class Stretch(NamedTuple):
 
 
 def sections(result: RunResult) -> List[Section]:
-    """Return all sections that are not empty."""
-    return sections_of(in_order(result))
+    """Return all sections that are not empty, without the scores, which stand on the sheet."""
+    found: Dict[str, List[SectionLine]] = {title: [] for title in TITLES}
+    for title, event in in_order(result):
+        found[title].append(event)
+    return [Section(title, tuple(shown)) for title, shown in found.items() if shown and title != SCORES]
 
 
-def sections_of(events: Iterable[Tuple[str, SectionLine]]) -> List[Section]:
-    """Return the sections of `in_order`, without the scores, which stand on the sheet."""
-    found: Dict[str, List[SectionLine]] = {title: [] for title in TITLES if title != SCORES}
-    for title, event in events:
-        if title != SCORES:
-            found[title].append(event)
-    return [Section(title, tuple(shown)) for title, shown in found.items() if shown]
-
-
-def in_order(result: RunResult, with_scores: bool = False) -> Iterator[Tuple[str, SectionLine]]:
-    """Return all events in their order, each with the title of its section. `with_scores`: also each score."""
+def in_order(result: RunResult) -> Iterator[Tuple[str, SectionLine]]:
+    """Return all events in their order, each with the title of its section."""
     memory = _Memory()
-    wordings = {**_WORDINGS, **_SCORE_WORDINGS} if with_scores else _WORDINGS
     for entry in result.entries:
-        known = wordings.get(entry.kind)
+        known = _WORDINGS.get(entry.kind)
         if known is None:
             if entry.kind not in _NOT_SHOWN:
                 yield _OTHER, _run_event(result, entry, f"{entry.kind}: {value_text(entry.value)}")
@@ -235,8 +228,6 @@ _WORDINGS: Dict[str, Tuple[str, _Wording]] = {
     run_log.DISPLAY_MAP: (_DEVICES, _saying("display_map")),
     **{run_log.device_topic(device): (_DEVICES, _saying(device)) for device in run_log.DEVICES},
     Kind.NOTICE: (_WARNINGS, _notice),
-}
-_SCORE_WORDINGS: Dict[str, Tuple[str, _Wording]] = {
     run_log.SCORE: (SCORES, _score),
     run_log.MODULE_SCORE: (SCORES, _only("Score of the benchmarking module changed")),
 }
@@ -244,9 +235,8 @@ _SCORE_WORDINGS: Dict[str, Tuple[str, _Wording]] = {
 COMMANDS = frozenset((Kind.COMMAND, Kind.JUDGING, Kind.PUBLICATION))
 # Entries that repeat others, or that the score sheet shows. The marks of judges are shown when they submit.
 _NOT_SHOWN = frozenset((
-    run_log.STATE, run_log.BOX_STATE, run_log.BOX_PAYLOAD, run_log.CLIENT_PAYLOAD, run_log.SCORE,
-    run_log.SCORE_TEXT, Kind.JUDGE_MARK,
-    run_log.MODULE_SCORE, run_log.HOPF_RESULT, run_log.OMF_BUTTON, run_log.OMF_DAMAGED, run_log.OMF_COMPLETE,
+    run_log.STATE, run_log.BOX_STATE, run_log.BOX_PAYLOAD, run_log.CLIENT_PAYLOAD, run_log.SCORE_TEXT, Kind.JUDGE_MARK,
+    run_log.HOPF_RESULT, run_log.OMF_BUTTON, run_log.OMF_DAMAGED, run_log.OMF_COMPLETE,
 ))
 
 

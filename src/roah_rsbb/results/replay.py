@@ -46,8 +46,6 @@ LATEST = {
     run_log.ACTIVATION_EVENT: "Last activation event", run_log.VISITOR: "Last visitor",
     run_log.COMMAND: "Last final command", Kind.NOTICE: "Last warning",
 }
-# The parts of the state that change most often, and that the page does not show: it has them from the entries.
-NOT_SHOWN = tuple(f"zone.run.{part}" for part in ("message", "link", "online_data", "strings", "said"))
 DISCONNECTED = "disconnected"
 # A clock that was only read again differs by less than this (s).
 _SAME_S = 0.002
@@ -55,19 +53,14 @@ _SAME_S = 0.002
 Track = List[List[Any]]
 
 
-def replay_data(
-    result: RunResult, moments: Sequence[RunMoment], in_utc: bool,
-    known_events: Optional[Sequence[Tuple[str, SectionLine]]] = None,
-) -> Dict[str, Any]:
-    """Return what the page needs, as JSON. `moments`: the states of the run; empty: they were not recorded.
-    `known_events`: what `in_order` returns with the scores, if the caller has it."""
+def replay_data(result: RunResult, moments: Sequence[RunMoment], in_utc: bool) -> Dict[str, Any]:
+    """Return what the page needs, as JSON. `moments`: the states of the run; empty: they were not recorded."""
     clock = clock_text(result)
     if clock:
         result, moments = without_step(result, moments)
-        known_events = None
     record = result.record
     begin, end = record.opened_utc, _end_utc(result, moments)
-    events = list(in_order(result, with_scores=True)) if known_events is None else known_events
+    events = list(in_order(result))
     titles = [title for title in TITLES if any(title == each for each, _ in events)]
     known = [moment for moment in moments if run_state_of(moment)]
     return {
@@ -272,12 +265,11 @@ def replay_name(number: int, record: RunRecord) -> str:
 
 def replay_of(
     reader: JournalReader, result: RunResult, parts: PageParts, in_utc: bool, warn: Callable[[str], None],
-    video: str = "", events: Optional[Sequence[Tuple[str, SectionLine]]] = None,
+    video: str = "",
 ) -> str:
-    """Return the page of a run. `video`: address of the video that it shows, if any; `events`: what `in_order` returns
-    with the scores, if the caller has it."""
-    moments = run_moments(reader, result.record.identity, warn, NOT_SHOWN)
-    return replay_page(replay_data(result, moments, in_utc, events), parts, video)
+    """Return the page of a run. `video`: address of the video that it shows, if any."""
+    moments = run_moments(reader, result.record.identity, warn)
+    return replay_page(replay_data(result, moments, in_utc), parts, video)
 
 
 def replay_page(data: Dict[str, Any], parts: PageParts, video: str = "") -> str:

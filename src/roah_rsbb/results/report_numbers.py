@@ -7,7 +7,7 @@ import statistics
 from typing import Callable, Dict, Hashable, Iterable, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
 from roah_rsbb.model.records import RunRecord
-from roah_rsbb.results.events import goals
+from roah_rsbb.results.events import goals, sections
 from roah_rsbb.results.runs import RunResult
 from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.scoring.counting import attempts_of
@@ -88,9 +88,10 @@ def link_period_s(records: Iterable[RunRecord], as_of_utc: float) -> int:
     return next((period for period in LINK_PERIODS_S if length <= MOST_PERIODS * period), LINK_PERIODS_S[-1])
 
 
-def facts_of(result: RunResult, warnings: int, link_period: int = LINK_PERIODS_S[-1]) -> RunFacts:
-    """Return the facts of a run. `warnings`: how many of its events are bad. `link_period`: in seconds."""
+def facts_of(result: RunResult, link_period: int = LINK_PERIODS_S[-1]) -> RunFacts:
+    """Return the facts of a run. `link_period`: in seconds."""
     record = result.record
+    warnings = sum(event.bad for section in sections(result) for event in section.events)
     return RunFacts(
         result.number, record._replace(history=(), form=None), _items(record),
         tuple(GoalFacts(goal.number, goal.seconds) for goal in goals(result)),

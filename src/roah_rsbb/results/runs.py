@@ -83,25 +83,20 @@ def find_record(reader: JournalReader, word: str, warn: Callable[[str], None]) -
 
 
 def run_result(
-    reader: JournalReader, number: int, record: RunRecord, warn: Callable[[str], None], with_payloads: bool = True
+    reader: JournalReader, number: int, record: RunRecord, warn: Callable[[str], None]
 ) -> RunResult:
-    """Read the rest of a run whose record is known. `with_payloads`: also the payloads of states, which no page shows,
-    and which are as many entries as most runs have otherwise."""
+    """Read the rest of a run whose record is known."""
     robots = tuple(
         RobotPart(m.port, m.team, m.robot, m.log_file, _link(reader, m.port, warn))
         for m in reader.members(record.identity)
     )
-    without = () if with_payloads else (run_log.BOX_PAYLOAD, run_log.CLIENT_PAYLOAD)
-    return RunResult(number, record, robots, tuple(reader.entries(record.identity, without)))
+    return RunResult(number, record, robots, tuple(reader.entries(record.identity)))
 
 
-def run_moments(
-    reader: JournalReader, identity: str, warn: Callable[[str], None], without: Sequence[str] = ()
-) -> List[RunMoment]:
-    """Return all states of a run, in order. They share what did not change. Journals before 2026-11 have none.
-    `without`: parts of the state that are left out (`JournalReader.states`)."""
+def run_moments(reader: JournalReader, identity: str, warn: Callable[[str], None]) -> List[RunMoment]:
+    """Return all states of a run, in order. They share what did not change. Journals before 2026-11 have none."""
     changes, found, unreadable = ChangesReader(), [], 0
-    for entry in reader.states(identity, without):
+    for entry in reader.states(identity):
         state = changes.take(entry.value)
         try:
             found.append(RunMoment(entry.utc, entry.mono, state["zone"], state["clock"], entry.session))

@@ -1,7 +1,7 @@
 """A run's score sheet, for the terminal and as a page that can be printed."""
 
 from functools import partial
-from typing import Iterator, List, Optional, Sequence, Tuple
+from typing import Iterator, List, Optional, Tuple
 
 from roah_rsbb.model.records import ItemRecord, RunRecord, StopRecord, grouped
 from roah_rsbb.results.events import Section, box_states, robot_states, sections
@@ -179,15 +179,13 @@ def _reason(stop: StopRecord) -> str:
 
 def sheet_page(
     result: RunResult, in_utc: bool, rules: Optional[Rules] = None, benchmark: str = "", appendix: bool = True,
-    competition: Competition = NO_COMPETITION, shown: Optional[Sequence[Section]] = None,
+    competition: Competition = NO_COMPETITION,
 ) -> str:
-    """Return the page of a run. `rules`: how its benchmark is ranked; `benchmark`: what it is called; `shown`: its
-    sections, if the caller has them."""
+    """Return the page of a run. `rules`: how its benchmark is ranked; `benchmark`: what it is called."""
     record = result.record
     title = _title(record)
     front = front_of(record, rules, benchmark, in_utc, result.counts)._replace(competition=competition)
     body: List[Child] = [front_markup(front)]
-    shown = sections(result) if shown is None else shown
     clock = clock_text(result)
     steady = without_step(result)[0] if clock else result
     if appendix:
@@ -195,7 +193,7 @@ def sheet_page(
             tag("h1", "Appendix"), tag("p", title), facts_table(_page_facts(result, in_utc)),
             *_items_markup(record), *_modules_markup(record), *_history_markup(record, in_utc),
             *_judges_markup(record, in_utc), *_stops_markup(record, in_utc),
-            *(_section(section, in_utc) for section in shown),
+            *(_section(section, in_utc) for section in sections(result)),
             *(part for robot in steady.robots for part in _link(steady, robot, in_utc, clock)),
         ]
         body.append(tag("div", *annex, class_="annex"))

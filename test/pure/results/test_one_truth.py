@@ -268,5 +268,5 @@ def check_results(config, known, truth, choice, found):
         assert f"Counting:     {counts}" in list(sheet_lines(result, True, False))
         page = sheet_page(result, True)
         assert page.count(f"<td>{counts}</td>") == 2, "on the front page and in the appendix"
-        assert facts_of(result, 0).counts == result.counts
+        assert facts_of(result).counts == result.counts
         assert next(_run_rows(result, None))["counts"] == result.counts

@@ -14,7 +14,6 @@ from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results import lists
 from roah_rsbb.results import standings as ranking
 from roah_rsbb.results.dataset import DatasetOptions, names_of, write_dataset
-from roah_rsbb.results.events import Section, in_order, sections_of
 from roah_rsbb.results.export import (
     RESULT_COLUMNS,
     STANDING_COLUMNS,
@@ -72,17 +71,16 @@ class _Read(NamedTuple):
     competition: Competition
     in_utc: bool
 
-    def result(self, number: int, warn: Callable[[str], None] = warn, with_payloads: bool = True) -> RunResult:
+    def result(self, number: int, warn: Callable[[str], None] = warn) -> RunResult:
         """Read the rest of a run. `number`: in the list of all runs."""
         record = self.known[number - 1]
-        found = run_result(self.reader, number, record, warn, with_payloads)
-        return found._replace(counts=self.why[record.identity].value)
+        return run_result(self.reader, number, record, warn)._replace(counts=self.why[record.identity].value)
 
-    def sheet(self, result: RunResult, appendix: bool = True, shown: Optional[Sequence[Section]] = None) -> str:
+    def sheet(self, result: RunResult, appendix: bool = True) -> str:
         """Return the page of a run."""
         code = result.record.benchmark
         return sheet_page(result, self.in_utc, self.rules.get(code), self.titles.get(code, ""), appendix,
-                          self.competition, shown)
+                          self.competition)
 
 
 def _read(options: argparse.Namespace) -> _Read:
@@ -291,17 +289,14 @@ def _work_on(number: int) -> _WrittenRun:
 def _write_run(read: _Read, folder: str, parts: Optional[PageParts], link_period: int, number: int) -> _WrittenRun:
     """Write the pages of a run, perhaps in another process. `parts`: of a replay; None: without replays."""
     warnings: List[str] = []
-    result = read.result(number, warnings.append, with_payloads=False)
-    events = list(in_order(result, with_scores=True))
-    shown = sections_of(events)
-    warned = sum(event.bad for section in shown for event in section.events)
+    result = read.result(number, warnings.append)
     sheet, replay_file = f"runs/{file_name(number, result.record)}.html", ""
-    _write_html(read.sheet(result, shown=shown), os.path.join(folder, sheet))
+    _write_html(read.sheet(result), os.path.join(folder, sheet))
     if parts is not None:
         replay_file = f"runs/{replay_name(number, result.record)}"
-        _write_html(replay_of(read.reader, result, parts, read.in_utc, warnings.append, events=events),
+        _write_html(replay_of(read.reader, result, parts, read.in_utc, warnings.append),
                     os.path.join(folder, replay_file))
-    return _WrittenRun(facts_of(result, warned, link_period), sheet, replay_file, warnings)
+    return _WrittenRun(facts_of(result, link_period), sheet, replay_file, warnings)
 
 
 def _write_html(text: str, path: str) -> None:

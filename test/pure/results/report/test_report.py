@@ -27,7 +27,6 @@ from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, PhaseTime, ScoreEntry, ScoreValue, StopRecord
 from roah_rsbb.results import report_numbers
-from roah_rsbb.results.events import sections
 from roah_rsbb.results.program import files as writing
 from roah_rsbb.results.program import main as program
 from roah_rsbb.results.report import PAGES, Axes, plot
@@ -53,10 +52,7 @@ def report(journal, folder, *options):
 
 def facts(journal):
     results = runs_in(journal)
-    return [result.record for result in results], [
-        facts_of(result, sum(event.bad for section in sections(result) for event in section.events))
-        for result in results
-    ]
+    return [result.record for result in results], [facts_of(result) for result in results]
 
 
 class Texts(html.parser.HTMLParser):
@@ -271,7 +267,7 @@ def test_links_in_periods(tmp_path):
     for second in range(150):
         writer.link(LinkSample(1.0, received=9, lost=int(second == 70), gap_s=float(second == 130)))
     writer.close()
-    found = facts_of(runs_in(writer.path)[0], 0, 60).link
+    found = facts_of(runs_in(writer.path)[0], 60).link
     assert {utc - UTC0: (link.received, link.lost, link.longest_gap_s, link.seconds) for (_, utc), link in found.items()
             } == {0.0: (540, 0, 0.0, 60.0), 60.0: (540, 1, 0.0, 60.0), 120.0: (270, 0, 1.0, 30.0)}
 
