@@ -285,7 +285,7 @@ def judged_lines(run: Optional[RunLine], shown: JudgedRun, utc_s: float, style: 
 
 
 def progress_lines(run: Optional[RunLine], one: Judging, utc_s: float, style: Style, before: str = "") -> List[str]:
-    """Return the progress of the judges of a run; `before`: the run's name."""
+    """Return the progress of the judges of a run, below its name; `before`: what stands before that."""
     def when(moment_utc_s: float) -> str:
         return style.moments.scheduled(moment_utc_s, utc_s) + ("Z" if style.moments.in_utc else "")
 

@@ -87,8 +87,8 @@ def test_only_what_a_stop_needs_is_imported_before_it():
         [sys.executable, "-c", "import sys, roah_rsbb.referee.program\nprint(*sys.modules)"],
         stdout=subprocess.PIPE, text=True, check=True).stdout.split()
     assert {name for name in found if name.startswith("roah_rsbb.") and name.count(".") > 1} == {
-        f"roah_rsbb.{name}" for name in (
-            "client.places", "ground.arguments", "referee.at_once", "referee.program")}
+        "roah_rsbb.document.places", "roah_rsbb.ground.arguments", "roah_rsbb.referee.at_once",
+        "roah_rsbb.referee.program"}
     assert not {"tornado", "asyncio", "ssl", "subprocess", "xmlrpc", "logging"} & set(found)
 
 
