@@ -1,7 +1,7 @@
 """The home devices of a running program: their settings, the connection to the controller, what a restart restores, and
 the calls of their faces.
 
-A box has them in its own process (`ControlledDevices` in `box/program/parts.py`).
+A box has them in its own process (`ControlledDevices` in `box/program/neighbours.py`).
 """
 
 import asyncio

@@ -1,7 +1,7 @@
 """The gateway: serves the public display and other pages to browsers, and live data to programs (docs/web.md).
 
 It offers calls through the door of the box (docs/door.md, "Calls of the web pages"): codes for devices, the list of
-paired devices, the codes of teams. A box runs it in its own process (`WebParts` in `box/program/parts.py`).
+paired devices, the codes of teams. A box runs it in its own process (`WebParts` in `box/program/neighbours.py`).
 """
 
 import asyncio

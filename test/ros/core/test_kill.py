@@ -1,13 +1,15 @@
 """A core that is killed (kill -9): every run continues unchanged, and is recorded once and completely."""
 
 import pathlib
+import signal
 import socket
 import tempfile
 from typing import List
 from unittest import mock
 
 import rospy
-from support.own_core import Core, OwnCoreCase
+from support.own_core import PARAMS, Core, OwnCoreCase
+from support.programs import Program, own
 from support.robots import BOX, CONFIG, RSBB_PORT, Robot
 from support.waiting import wait_until
 
@@ -173,3 +175,23 @@ class TestKilledOnce(OwnCoreCase):
             self.assertEqual([entry["value"] for entry in outcome.get("history", [])], score)
         self.assertEqual(strings, [["before", "while it was dead"], ["bring the cup"], []])
         self.assertLess(abs(self.run_on_record(ports[2]).outcome["elapsed_s"] - 6.0), 1.0)
+
+    def test_a_second_core_waits_until_the_first_one_has_ended(self) -> None:
+        """It takes nothing over at the same ROS master: clients would lose their box."""
+        first, second = self.folder / "first", self.folder / "second"
+        self.start_core(first)
+        uuid, core = self.box.uuid, self.core
+        for name in ((), ("__name:=second_core",)):
+            other = self._leaving(Program(own("roah_rsbb_core"), *name, *(
+                f"_{key}:={value}" for key, value in {**PARAMS, "log_dir": second}.items())))
+            other.wait_printed("is running at this ROS master. This one takes nothing over")
+            if not name:
+                other.signal(signal.SIGINT)
+                other.wait_ended()
+        self.robot("Alpha")
+        self.box.connect("Home")
+        self.box.command("disconnect", "Home")
+        self.assertEqual(self.box.uuid, uuid)
+        core.kill()
+        other.wait_printed("the other core has ended")
+        self.box.wait_other_core(uuid)

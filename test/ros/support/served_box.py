@@ -7,7 +7,7 @@ import threading
 from typing import Any, Callable, List
 
 from roah_rsbb.box.program.demo import settings
-from roah_rsbb.box.program.parts import InProcessClient
+from roah_rsbb.box.program.neighbours import InProcessClient
 from roah_rsbb.box.program.program import BoxProgram
 from roah_rsbb.comm.peer import MemoryAir
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST

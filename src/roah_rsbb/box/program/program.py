@@ -25,7 +25,7 @@ from roah_rsbb.box.configuration import Configuration, Reloads
 from roah_rsbb.box.door import BoxDoor
 from roah_rsbb.box.game import BoxPlace, Game, Machine, Outputs
 from roah_rsbb.box.parameters import BoxParameters, parameters_of
-from roah_rsbb.box.program.parts import LOOPBACK, ControlledDevices, CopyCalls, DrivenModules, Sounds, WebParts
+from roah_rsbb.box.program.neighbours import LOOPBACK, ControlledDevices, CopyCalls, DrivenModules, Sounds, WebParts
 from roah_rsbb.box.program.supervisor import CopyingProcess
 from roah_rsbb.box.run_logs import RunLogWriter
 from roah_rsbb.box.standing_by import wait_for_journal, wait_for_takeover

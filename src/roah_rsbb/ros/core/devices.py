@@ -18,7 +18,7 @@ from rosgraph.xmlrpc import XmlRpcHandler, XmlRpcNode
 from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 
-from roah_rsbb.box.program.parts import ControlledDevices
+from roah_rsbb.box.program.neighbours import ControlledDevices
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.runs.reported import FIELDS
 from roah_rsbb.devices.devices import HomeDevices

@@ -15,7 +15,7 @@ from roah_rsbb.box import door
 from roah_rsbb.box.program import program
 from roah_rsbb.box.program.demo import settings
 from roah_rsbb.box.program.main import serve
-from roah_rsbb.box.program.parts import InProcessClient
+from roah_rsbb.box.program.neighbours import InProcessClient
 from roah_rsbb.box.program.program import BoxProgram, door_file
 from roah_rsbb.comm.peer import MemoryAir
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST

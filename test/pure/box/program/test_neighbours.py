@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from roah_rsbb.box.program.parts import CopyCalls
+from roah_rsbb.box.program.neighbours import CopyCalls
 from roah_rsbb.core.copies import CopyReport
 from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, Caller
 from roah_rsbb.model.reason import Refused, encode, say
