@@ -23,22 +23,26 @@ def _options():
     parser.add_argument("--seed", type=int, help="only this seed; shows what happens in it")
     parser.add_argument("--first", type=int, help="the first of the seeds (default: random)")
     parser.add_argument("--count", type=int, default=SEEDS, help="how many seeds (default: until Ctrl-C)")
+    parser.add_argument("--zones", type=int, default=20, help="with --minutes (default: %(default)s)")
+    parser.add_argument("--minutes", type=float, help="with --seed: a larger competition, of so many minutes")
     parser.add_argument("--source", default=str(ROOT / "src" / "roah_rsbb"), help="the package (default: %(default)s)")
     parser.add_argument("--seconds", type=float, default=float("inf"), help="processor time (default: until Ctrl-C)")
     return parser.parse_args()
 
 
-def _show(seed):
+def _show(seed, size):
     from simulation.shorten import failure_of, shortened
-    from simulation.world import simulate
+    from simulation.world import Size, simulate
 
-    failure = failure_of(seed)
+    failure = None if size else failure_of(seed)
     if failure is not None:
         print(shortened(failure))
         return 1
-    world = simulate(seed)
+    began = time.process_time()
+    world = simulate(seed, size=Size(*size) if size else None)
     print("\n".join(world.trace.lines))
-    print(f"{world.scheduler.now:.1f} s, {world.scheduler.steps} steps, digest {world.trace.digest}")
+    print(f"{world.scheduler.now:.1f} s, {world.scheduler.steps} steps, digest {world.trace.digest}, "
+          f"{time.process_time() - began:.1f} s of processor time")
     return 0
 
 
@@ -68,7 +72,8 @@ def main():
     options = _options()
     roah_rsbb.__path__[0] = options.source
     try:
-        sys.exit(_search(options) if options.seed is None else _show(options.seed))
+        size = (options.zones, 60.0 * options.minutes) if options.minutes else None
+        sys.exit(_search(options) if options.seed is None else _show(options.seed, size))
     except KeyboardInterrupt:
         sys.exit("")
 

@@ -31,7 +31,7 @@ class Trouble(NamedTuple):
 
 def plan_of(world, random):
     """Return the troubles of a seed."""
-    count = random.choice((0, 2, 5, 8, 12))
+    count = random.choice((0, 2, 5, 8, 12)) * max(1, round(world.length_s / 60.0))
     known = random.choice((sorted(KINDS), DISK, DISK, NETWORK))
     if world.standby is None:
         known = [kind for kind in known if kind not in OF_STANDBY]

@@ -8,6 +8,7 @@ import random
 import tempfile
 from dataclasses import replace
 from decimal import Decimal
+from typing import NamedTuple
 
 from helpers.competition import benchmark, competition
 from roah_rsbb.model.scoring import JudgesRule, ScoreKind, ScoringItem
@@ -30,6 +31,8 @@ from .witness import Witness
 BOX_HOST, STANDBY_HOST = "10.0.0.1", "10.0.0.50"
 # Of so many seeds, one runs a second time without the short way of datagrams.
 BOTH_WAYS = 4
+# Objects between two collections of garbage: a tenth of the time is saved.
+GARBAGE = 200_000
 # Seconds without troubles and without referees at the end.
 CALM_S = 12.0
 SCORING = (
@@ -52,11 +55,18 @@ class _Errors(logging.Handler):
         self._scheduler.bugs.append(error or RuntimeError(record.getMessage()))
 
 
+class Size(NamedTuple):
+    """A larger competition than seeds have: in each zone one team, with a robot."""
+
+    zones: int
+    length_s: float
+
+
 class World:
     """All computers, and the time. `plan`: troubles, in place of those of the seed. `can_wait`: whether datagrams take
     the short way (`roah_rsbb.radio.short_way`), which must make no difference."""
 
-    def __init__(self, seed, folder, plan=None, can_wait=True):
+    def __init__(self, seed, folder, plan=None, can_wait=True, size=None):
         self.seed, self.folder, self.can_wait = seed, folder, can_wait
         draw = random.Random(f"{seed} world")
         self._bytes = random.Random(f"{seed} bytes")
@@ -64,11 +74,11 @@ class World:
         self.trace = Trace(self.scheduler, folder)
         self.air = Air(self.scheduler, random.Random(f"{seed} air"), self.trace)
         self.clocks_were_set = set()  # names of robots
-        self.config = _competition(draw)
+        self.config = _competition(draw, 0 if size is None else size.zones)
         has_standby = draw.random() < 0.4
         if has_standby and draw.random() < 0.6:
             self.config = replace(self.config, durable=Durable.TWO)
-        self.length_s = draw.uniform(20.0, 60.0)
+        self.length_s = draw.uniform(20.0, 60.0) if size is None else size.length_s
         self.robots = []
         self.is_compared = seed % BOTH_WAYS == 0  # with a second pass
         self.documents = []  # of all boxes, once a second, if they are compared
@@ -159,17 +169,23 @@ class World:
             raise self.scheduler.bugs[0]
 
 
-def _competition(draw):
+def _competition(draw, large):
+    """`large`: number of zones; 0: as seeds have."""
     codes = ("HGTKMH", "HCFGAC", "HWV")
-    teams = ("Alpha", "Beta")
+    if large:
+        teams = tuple(f"T{number}" for number in range(large))
+        playing = {f"z{number}": (team,) for number, team in enumerate(teams)}
+    else:
+        teams = ("Alpha", "Beta")
+        playing = dict.fromkeys(("a", "b")[:draw.choice((1, 1, 2))], ("Alpha", "Beta", "ALL"))
     zones = {}
-    for name in ("a", "b")[:draw.choice((1, 1, 2))]:
+    for name, those in playing.items():
         zones[name] = tuple(
             ScheduledEvent(benchmark("HSUF" if team == "ALL" else draw.choice(codes),
                                      draw.choice((SHORT_S, 30.0, 600.0)), scoring=SCORING, rules=_rules(draw),
                                      judges=JudgesRule(2) if draw.random() < 0.15 else None),
                            team, 1, number, UTC0 + 60.0 * number)
-            for number, team in enumerate(draw.choices((*teams, "ALL"), (2, 2, 1), k=draw.randint(1, 4)), 1))
+            for number, team in enumerate(draw.choices(those, (2, 2, 1)[:len(those)], k=draw.randint(1, 4)), 1))
     return competition(teams=teams, **zones)
 
 
@@ -180,18 +196,19 @@ def _rules(draw):
         phases=draw.choice(((), PHASES)))
 
 
-def simulate(seed, plan=None, can_wait=True):
+def simulate(seed, plan=None, can_wait=True, size=None):
     """Run a seed; returns its world. Raises what went wrong, with the world as its attribute `world`."""
+    thresholds = gc.get_threshold()
     with tempfile.TemporaryDirectory(prefix="simulated_", dir=_memory()) as folder:
-        world = World(seed, folder, plan, can_wait)
-        gc.disable()  # one world fits into memory, and a tenth of the time is saved
+        world = World(seed, folder, plan, can_wait, size)
+        gc.set_threshold(GARBAGE)
         try:
             world.run()
         except Exception as error:
             error.world = world
             raise
         finally:
-            gc.enable()
+            gc.set_threshold(*thresholds)
         journal = pathlib.Path(folder, "log", "roah_rsbb_journal")
         world.journal = {path.name: path.read_bytes() for path in journal.iterdir()}
         return world
