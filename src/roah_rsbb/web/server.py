@@ -81,7 +81,7 @@ class WebServer:
         there is no answer.
         `context`: the certificate; None: nothing is encrypted.
         `displays`: what organisers have set for them, `team_codes`: of the teams; None: forgotten at the end.
-        `calls`: those of `PairingCalls`, for organisers.
+        `calls`: those of the gateway, for organisers.
         `team_pages`: who sees what the box knows of a team's robot: `all`, or who has the team's `code`.
         """
         self._loop = loop
