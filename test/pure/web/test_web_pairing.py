@@ -1,5 +1,6 @@
-"""Codes, sessions and their file. Without sockets and without time."""
+"""Codes, also as QR codes, sessions and their file. Without sockets and without time."""
 
+import builtins
 import json
 import os
 import re
@@ -14,6 +15,7 @@ from roah_rsbb.web.pairing import CODE_VALID_S, FILE, SESSION_VALID_S, Codes, Gr
 
 GRANT, JUDGE = Grant("referee", "Home"), Grant("judge", "Home")
 ADDRESS = "192.0.2.1"
+URL = "http://192.168.100.200:8081/pair#ABCD-EFGH-JKMNPQRSTUVWXYZ2"
 UTC = 1_700_000_000.0
 
 
@@ -284,3 +286,27 @@ def test_a_link_in_the_place_of_the_draft_is_not_followed(tmp_path):
     with pytest.raises(OSError):
         added(open_sessions(tmp_path, pytest.fail))
     assert target.read_text() == "secret"
+
+
+# -- QR codes ----------------------------------------------------------------------------------------
+
+
+def test_a_terminal_shows_each_module():
+    pytest.importorskip("qrcode")
+    rows, lines = pairing.modules_of(URL), pairing.lines_of(URL)
+    dark = {"█": (False, False), "▀": (False, True), "▄": (True, False), " ": (True, True)}
+    shown = [[dark[sign][half] for sign in line] for line in lines for half in (0, 1)]
+    assert shown[:len(rows)] == rows
+    assert not any(shown[0]) and not any(row[0] for row in shown), "a light border, without which nobody can read it"
+
+
+def test_without_the_library_there_is_no_code(monkeypatch):
+    imported = builtins.__import__
+
+    def without(name, *rest, **more):
+        if name == "qrcode":
+            raise ImportError(name)
+        return imported(name, *rest, **more)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    assert pairing.modules_of(URL) is None and pairing.lines_of(URL) == []
