@@ -379,10 +379,14 @@ MOST_LEAST_EMS = 8.0
 
 
 class CommandButton(QPushButton):
-    """A button that gives a command. While it is disabled its tooltip lists the reasons."""
+    """A button that gives a command, by `pressed()`. While it is disabled its tooltip lists the reasons."""
 
-    def __init__(self, text: str, explanation: str, factor: float = 1.3) -> None:
+    def __init__(
+        self, text: str, explanation: str, factor: float = 1.3, pressed: Optional[Callable[[], object]] = None,
+    ) -> None:
         super().__init__(text)
+        if pressed is not None:
+            self.clicked.connect(lambda _checked: pressed())
         enlarged(self, factor, bold=True)
         # Tab reaches it, but a click does not focus it: a stray space bar does nothing.
         self.setFocusPolicy(Qt.TabFocus)

@@ -3,6 +3,7 @@ table of actions, those for which Benchmark Control has no place of its own: a r
 (docs/referee.md, "Setup time, phases, pauses" and "Without a robot").
 """
 
+from functools import partial
 from typing import Any, Callable, Dict, Optional, Sequence, Tuple
 
 from roah_rsbb.model.actions import ACTIONS, Action, Row
@@ -209,8 +210,7 @@ class RuleButtons(QWidget):
         row = basic.flat(QHBoxLayout(self))
         for action in (*others(Row.CLOCK), *others(Row.MODULE)):
             dots = " …" if entered(action.fields) else ""
-            button = basic.CommandButton(tr(action.label) + dots, tr(action.explanation), 1.1)
-            button.clicked.connect(lambda _checked=False, action=action: press(action))
+            button = basic.CommandButton(tr(action.label) + dots, tr(action.explanation), 1.1, partial(press, action))
             row.addWidget(button, 1)
             self.buttons[action.name] = button
         self.hide()

@@ -308,9 +308,8 @@ class BenchmarkControlPanel(Panel):
 
     def _button(self, action: Action) -> basic.CommandButton:
         explanation = tr(action.explanation) + (f" ({tr(START_KEYS)})" if action.name == "start" else "")
-        button = basic.CommandButton(tr(action.label), explanation, 1.0 if action.name in SMALL else 1.3)
-        button.clicked.connect(lambda: self._press(action.name))
-        return button
+        return basic.CommandButton(tr(action.label), explanation, 1.0 if action.name in SMALL else 1.3,
+                                   partial(self._press, action.name))
 
     def _key(self, key: str, service: str) -> TwiceKey:
         def what():

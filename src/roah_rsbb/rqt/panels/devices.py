@@ -52,9 +52,8 @@ class DeviceRow(QWidget):
 
     def add_command(self, text: str, value: int) -> basic.CommandButton:
         """Add a button that asks for `value`."""
-        button = basic.CommandButton(text, f"{text}: {self.name}", 1.2)
+        button = basic.CommandButton(text, f"{text}: {self.name}", 1.2, lambda: self.change(value))
         button.setMinimumWidth(round(COMMAND_EMS * basic.em()))
-        button.clicked.connect(lambda: self.change(value))
         self.commands.append(button)
         self.line.addWidget(button)
         return button
@@ -199,8 +198,7 @@ class DevicesPanel(Panel):
         title = basic.enlarged(QLabel(tr(whole_box.BELL)), 1.3, bold=True)
         title.setMinimumWidth(round(NAME_EMS * basic.em()))
         self.bell = basic.Badge(1.3)
-        self.ring = basic.CommandButton(tr(whole_box.RING), tr("Ring the bell"), 1.2)
-        self.ring.clicked.connect(self._ring)
+        self.ring = basic.CommandButton(tr(whole_box.RING), tr("Ring the bell"), 1.2, self._ring)
         line.addWidget(title)
         line.addWidget(self.bell, 1)
         line.addWidget(self.ring)

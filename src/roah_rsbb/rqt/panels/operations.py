@@ -1,5 +1,6 @@
 """What a run asks of the referee: Manual Operation and OMF Switches (docs/referee.md)."""
 
+from functools import partial
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from roah_rsbb.model.actions import MAX_DAMAGED
@@ -132,8 +133,8 @@ class ManualOperationPanel(Panel):
         if only:
             answers = [(choice, {only.name: choice}) for choice in only.choices]
         for text, chosen in answers:
-            button = basic.CommandButton(text, tr("Confirm that it is done. The run continues."), 1.5)
-            button.clicked.connect(lambda _=False, chosen=chosen: self._complete(chosen))
+            button = basic.CommandButton(text, tr("Confirm that it is done. The run continues."), 1.5,
+                                         partial(self._complete, chosen))
             self._line.addWidget(button)
             self.buttons.append(button)
 
@@ -202,25 +203,21 @@ class OmfSwitchesPanel(Panel):
         self.answer = AnswerLine()
         self.body.addWidget(self.answer)
         self.complete = basic.CommandButton(
-            tr("✔ Confirm switches"), tr("Confirm that the entries are correct"), 1.5)
-        self.complete.clicked.connect(self._confirm)
+            tr("✔ Confirm switches"), tr("Confirm that the entries are correct"), 1.5, self._confirm)
         self.body.addWidget(self.complete)
         self.body.addStretch(1)
 
     def _switch(self, number: int) -> basic.CommandButton:
-        button = basic.CommandButton(str(number), tr("The robot pressed switch {number}", number=number), 1.4)
-        button.clicked.connect(lambda: self._press(number))
-        return button
+        return basic.CommandButton(str(number), tr("The robot pressed switch {number}", number=number), 1.4,
+                                   partial(self._press, number))
 
     def _damaged_line(self) -> QHBoxLayout:
         line = QHBoxLayout()
         line.addWidget(basic.enlarged(QLabel(tr("Damaged switches")), 1.2), 1)
-        self.less = basic.CommandButton("−", tr("One fewer damaged switch"), 1.3)
+        self.less = basic.CommandButton("−", tr("One fewer damaged switch"), 1.3, partial(self._damage, -1))
         self.damaged = basic.enlarged(QLabel("0", alignment=Qt.AlignCenter), 1.6, bold=True)
         self.damaged.setMinimumWidth(round(3 * basic.em()))
-        self.more = basic.CommandButton("+", tr("One more damaged switch"), 1.3)
-        self.less.clicked.connect(lambda: self._damage(-1))
-        self.more.clicked.connect(lambda: self._damage(1))
+        self.more = basic.CommandButton("+", tr("One more damaged switch"), 1.3, partial(self._damage, 1))
         for widget in (self.less, self.damaged, self.more):
             line.addWidget(widget)
         return line

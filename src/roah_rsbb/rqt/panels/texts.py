@@ -49,16 +49,14 @@ class TextSearch(QWidget):
         self.line = QLineEdit(placeholderText=tr("Search (Ctrl+F)"), clearButtonEnabled=True)
         self.count = QLabel()
         self.count.setMinimumWidth(round(6 * basic.em()))
-        self.previous = basic.CommandButton("▲", tr("Previous match (Shift+F3)"), 1.0)
-        self.next = basic.CommandButton("▼", tr("Next match (F3, Enter)"), 1.0)
+        self.previous = basic.CommandButton("▲", tr("Previous match (Shift+F3)"), 1.0, lambda: self.go(-1))
+        self.next = basic.CommandButton("▼", tr("Next match (F3, Enter)"), 1.0, lambda: self.go(1))
         layout = basic.flat(QHBoxLayout(self))
         layout.addWidget(self.line, 1)
         for widget in (self.count, self.previous, self.next):
             layout.addWidget(widget)
         self.line.textChanged.connect(self._on_text)
         self.line.returnPressed.connect(lambda: self.go(1))
-        self.previous.clicked.connect(lambda: self.go(-1))
-        self.next.clicked.connect(lambda: self.go(1))
         view.textChanged.connect(self.search)
         for key, act in (("Ctrl+F", self._focus), ("F3", lambda: self.go(1)), ("Shift+F3", lambda: self.go(-1))):
             shortcut = QShortcut(QKeySequence(key), owner)

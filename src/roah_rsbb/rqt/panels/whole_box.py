@@ -66,13 +66,12 @@ class CoreStatusPanel(Panel):
         self.answer = AnswerLine()
         self.body.addWidget(self.answer)
         self.exit = basic.CommandButton(
-            tr("Exit …"), tr("End this client or the whole RSBB. You are asked first."), 1.0)
+            tr("Exit …"), tr("End this client or the whole RSBB. You are asked first."), 1.0, self.ask_exit)
         self.exit.allow(True)
-        self.exit.clicked.connect(self.ask_exit)
         self.reload = basic.CommandButton(
-            tr("Reload …"), tr("Take changed configuration files into use. First, all changes are listed."), 1.0)
+            tr("Reload …"), tr("Take changed configuration files into use. First, all changes are listed."), 1.0,
+            self.ask_reload)
         self.reload.allow(True)
-        self.reload.clicked.connect(self.ask_reload)
         buttons = QHBoxLayout()
         buttons.addWidget(self.reload)
         buttons.addWidget(self.exit)
