@@ -18,6 +18,7 @@ from roah_rsbb.journal import copy_follower
 from roah_rsbb.journal.copy_folder import CannotWriteCopy, Part
 from roah_rsbb.journal.copy_follower import Follower
 from roah_rsbb.journal.log_dir import JOURNAL
+from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.standby.beside_copy import SAMPLES, Ahead, ahead_of
 from roah_rsbb.standby.channel import BadMessage, decode, encode
 from roah_rsbb.standby.remote import BEAT_S, Receiver, RemoteCopy
@@ -104,7 +105,7 @@ def test_no_fault_of_the_link_makes_a_wrong_copy(story, faults):
                 for _ in range(4):
                     ends.writer.entry("/notification", number, identity=run_record().identity)
             elif what == "link":
-                ends.writer.link({"n": number})
+                ends.writer.link(LinkSample(float(number)))
             elif what == "outcome":
                 ends.writer.entry("command", {}, identity=run_record().identity)
                 ends.writer.outcome(run_record(elapsed_s=float(number)))
