@@ -49,7 +49,7 @@ def test_an_unknown_run_lists_the_known_ones(word, runs, hint):
     (RUNS[1:2], "HWV-6668-1447.5"), ((NOW,), "has no run that is not signed off"), (RUNS, "2 such runs"),
     ((RUNS[1]._replace(signed_utc_s=UTC0),), "has no run that is not signed off"),
 ])
-def test_a_run_without_judges_is_published_too(runs, chosen):
+def test_a_run_without_judges_is_published_too(capsys, runs, chosen):
     """A team withdrew from an event with judges: its sheet has none, but there is a time for objections."""
     done = []
     box = SimpleNamespace(box=SimpleNamespace(zones=["Home A"]), judging={}, results={}, runs=lambda: runs)
