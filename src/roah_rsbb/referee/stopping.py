@@ -274,6 +274,7 @@ class Keyboard:
         self._begin_s = begin_s
         self._after: Optional[Callable[[], None]] = None  # called after each STOP
         self._stops: List[threading.Thread] = []
+        self._starting = threading.Lock()  # each of them is waited for, and none before it begins
         self._is_over = threading.Event()
         self._read: queue.Queue = queue.Queue()
         self.is_terminal = sys.stdin.isatty()
@@ -296,7 +297,9 @@ class Keyboard:
 
     def wait(self) -> None:
         """Wait until all robots have stopped."""
-        for thread in list(self._stops):
+        with self._starting:
+            stops = list(self._stops)
+        for thread in stops:
             thread.join()
 
     def lines(self) -> List[str]:
@@ -334,8 +337,9 @@ class Keyboard:
         # The program may stop its own run itself before the STOP has looked at the zones.
         stopping = Stopping(self._link, word, self._report, self._own_zone, self._link.document)
         thread = threading.Thread(target=self._stop, args=(stopping,), name="typed stop", daemon=True)
-        self._stops.append(thread)
-        thread.start()
+        with self._starting:
+            self._stops.append(thread)
+            thread.start()
         return True
 
     @property

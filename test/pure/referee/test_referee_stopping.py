@@ -252,6 +252,32 @@ def test_typed_stops_wait_for_no_other():
     assert note.startswith("NOT STOPPED: no zone 'nowhere'")
 
 
+def test_a_program_that_ends_waits_for_a_stop_that_only_begins(monkeypatch):
+    """A run ends by the STOP of another referee while one is typed."""
+    core, begins, may_begin, ended = StopCore(_running("Home A")), threading.Event(), threading.Event(), []
+    stops = Keyboard(core, lambda line: None, lambda text: None, "Home A")
+
+    def start(thread, start=threading.Thread.start):
+        if thread.name == "typed stop":
+            begins.set()
+            may_begin.wait(LIMIT_S)
+        start(thread)
+
+    def end():
+        stops.wait()
+        ended.append(core.box.zones["Home A"].phase)
+    monkeypatch.setattr(threading.Thread, "start", start)
+    typing, ending = threading.Thread(target=stops.take, args=["stop"]), threading.Thread(target=end)
+    typing.start()
+    assert begins.wait(LIMIT_S)
+    ending.start()
+    ending.join(0.3)  # what does not wait has ended by then
+    may_begin.set()
+    typing.join()
+    ending.join()
+    assert ended == ["ended"]
+
+
 @pytest.mark.parametrize("line, with_answers, alone", [
     ("stpo", "NOT STOPPED: 'stpo' is", "NOT STOPPED: 'stpo' is"),
     (" sto arena\n", "NOT STOPPED: 'sto arena' is", "NOT STOPPED: 'sto arena' is"),
