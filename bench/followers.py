@@ -8,8 +8,8 @@ import time
 import typing
 from typing import Any, List, NamedTuple
 
-from roah_rsbb.document.client import Client
-from roah_rsbb.document.places import DoorPlaces
+from roah_rsbb.client.client import Client
+from roah_rsbb.client.places import DoorPlaces
 from roah_rsbb.model.document import Document
 
 if typing.TYPE_CHECKING:

@@ -13,8 +13,8 @@ from typing import Dict, List, NamedTuple, Optional
 from processes import Box, Measured, wait
 from support.waiting import wait_until
 
-from roah_rsbb.document.client import Client
-from roah_rsbb.document.places import DoorPlaces
+from roah_rsbb.client.client import Client
+from roah_rsbb.client.places import DoorPlaces
 from roah_rsbb.model.document import Document
 
 VIEWERS = pathlib.Path(__file__).resolve().parent / "viewers.py"

@@ -44,8 +44,8 @@ from fleet import REGULAR_S, Fleet  # noqa: E402
 from processes import Box, wait  # noqa: E402
 from table import Results, quantile  # noqa: E402
 
-from roah_rsbb.document.client import Client  # noqa: E402
-from roah_rsbb.document.places import DoorPlaces  # noqa: E402
+from roah_rsbb.client.client import Client  # noqa: E402
+from roah_rsbb.client.places import DoorPlaces  # noqa: E402
 from roah_rsbb.model.document import Document  # noqa: E402
 from roah_rsbb.ros import connections  # noqa: E402
 from roah_rsbb.srv import Zone  # noqa: E402

@@ -15,8 +15,8 @@ from fleet import REGULAR_S, Fleet
 from processes import START_S, Box, Measured, wait
 from table import quantile
 
-from roah_rsbb.document.client import Client
-from roah_rsbb.document.places import OWN_VARIABLE, read_place
+from roah_rsbb.client.client import Client
+from roah_rsbb.client.places import OWN_VARIABLE, read_place
 from roah_rsbb.model.document import Document
 
 TURNS = 5

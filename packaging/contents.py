@@ -27,7 +27,7 @@ CONTENTS: Dict[str, Tuple[str, ...]] = {
         "config/schedule.yaml", "config/standings.yaml", "docs/results.md", "resource/replay/", "resource/report/"),
     # A box without ROS.
     "box": (
-        "roah_rsbb/box/", "roah_rsbb/devices/", "roah_rsbb/document/client.py", "roah_rsbb/referee/",
+        "roah_rsbb/box/", "roah_rsbb/devices/", "roah_rsbb/client/", "roah_rsbb/referee/",
         "roah_rsbb/standby/", "roah_rsbb/tablet/", "roah_rsbb/tools/", "roah_rsbb/web/", "README.md", "config/",
         "docs/", "launch/roah_rsbb.launch", "resource/"),
     # A box with ROS.

@@ -16,7 +16,7 @@ from support.door_client import DoorClient
 from support.programs import Program
 from support.waiting import wait_until
 
-from roah_rsbb.document.places import DoorPlaces, door_file_in, read_place
+from roah_rsbb.client.places import DoorPlaces, door_file_in, read_place
 from roah_rsbb.journal.bag import missing_bags
 from roah_rsbb.journal.log_dir import holder_of
 from roah_rsbb.journal.reader import JournalReader, journal_in

@@ -22,6 +22,7 @@ from typing import Any, Callable, Deque, Dict, List, Mapping, Optional, Sequence
 from tornado import web
 
 from roah_rsbb.box.offers import Offers
+from roah_rsbb.client.places import new_token
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.core.views.public import NOTHING_ALLOWED, Publicity
@@ -38,7 +39,6 @@ from roah_rsbb.document.calls import (
     waited,
 )
 from roah_rsbb.document.document import DocumentReader, Written
-from roah_rsbb.document.places import new_token
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.results import UnsavedParts

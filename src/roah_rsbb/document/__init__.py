@@ -1,5 +1,4 @@
 """What the box is, as one JSON document: written by the core once, followed by readers by its differences.
 
-A document is a value (NamedTuple) whose fields are its sections. `written` makes JSON of values and reads it back. All
-faces are built on its `client`.
+A document is a value (NamedTuple) whose fields are its sections. `written` makes JSON of values and reads it back.
 """

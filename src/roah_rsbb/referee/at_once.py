@@ -16,7 +16,7 @@ import time
 import urllib.parse
 from typing import Any, BinaryIO, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, TypeVar
 
-from roah_rsbb.document.places import DoorPlace, DoorPlaces, NotFound
+from roah_rsbb.client.places import DoorPlace, DoorPlaces, NotFound
 
 T = TypeVar("T")
 

@@ -8,8 +8,8 @@ import uuid
 from concurrent.futures import Future
 from typing import Any, Dict, Optional, cast
 
-from roah_rsbb.document.client import OLD_S, Answer, Client
-from roah_rsbb.document.places import START, DoorPlaces
+from roah_rsbb.client.client import OLD_S, Answer, Client
+from roah_rsbb.client.places import START, DoorPlaces
 from roah_rsbb.ground.arguments import is_without_ros
 from roah_rsbb.model.actions import MARK
 from roah_rsbb.model.as_json import from_json

@@ -23,7 +23,7 @@ from roah_rsbb.wording.stop import DONE, LOST, NOT_DELIVERED_S, Way, way, way_te
 from roah_rsbb.wording.texts import nearest
 
 if TYPE_CHECKING:
-    from roah_rsbb.document.client import Answer
+    from roah_rsbb.client.client import Answer
 
 # How often the way is looked at while nothing happens.
 STEP_S = 1.0
@@ -162,7 +162,7 @@ class Stopping:
         self._shown: Dict[str, StopLine] = {}
         self._named = ZoneStop(name or (ALL_ZONES if self.is_all else THE_RUN), self._begun_s)
         if sent is not None:
-            from roah_rsbb.document.client import answer_of  # late: help, and completion in bash, need no connection
+            from roah_rsbb.client.client import answer_of  # late: help, and completion in bash, need no connection
 
             self._answers = {zone: answer_of(one) for zone, one in sent.answers.items()}
             followed = Followed(Document)

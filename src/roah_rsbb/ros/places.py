@@ -18,7 +18,7 @@ import rosgraph
 import rosgraph.names
 import rospy
 
-from roah_rsbb.document.places import PARAM, file_of
+from roah_rsbb.client.places import PARAM, file_of
 
 GUI_TOPIC = "/core/to_gui"
 CORE = "roah_rsbb_core"  # name of the core's node

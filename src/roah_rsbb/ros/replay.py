@@ -17,8 +17,8 @@ import rospy
 
 from roah_rsbb.box.calls import BoxCalls
 from roah_rsbb.box.door import BoxDoor
+from roah_rsbb.client.places import NotFound, read_place, write_place
 from roah_rsbb.comm.sockets import ANY_HOST
-from roah_rsbb.document.places import NotFound, read_place, write_place
 from roah_rsbb.ground.arguments import Parser, number
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.model.clock import Now

@@ -8,7 +8,7 @@ import threading
 import uuid
 from typing import Any, Callable, Counter, Dict, Generic, Hashable, Mapping, NamedTuple, Optional, TypeVar
 
-from roah_rsbb.document.client import Answer, Client
+from roah_rsbb.client.client import Answer, Client
 from roah_rsbb.model.actions import MARK
 from roah_rsbb.model.document import Document
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal

@@ -5,8 +5,8 @@
 import time
 from typing import TYPE_CHECKING, Callable, Dict, List, NamedTuple, Optional
 
-from roah_rsbb.document.client import Client
-from roah_rsbb.document.places import DoorPlaces
+from roah_rsbb.client.client import Client
+from roah_rsbb.client.places import DoorPlaces
 from roah_rsbb.model.as_json import from_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import BoxSeen, Document

@@ -10,9 +10,9 @@ from typing import List, NamedTuple, Optional
 
 from roah_rsbb.box.parameters import BoxParameters, parameters_of, read_parameters
 from roah_rsbb.box.settings import of_competition, of_words
+from roah_rsbb.client.places import local_door_file
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.devices.sounds import BELL, TIMEOUT, command_of
-from roah_rsbb.document.places import local_door_file
 from roah_rsbb.ground.arguments import Parser, called, is_without_ros, number
 from roah_rsbb.ground.params import BadParams
 from roah_rsbb.tools import preflight_checks as checks

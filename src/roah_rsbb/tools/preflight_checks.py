@@ -18,10 +18,10 @@ from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 from roah_rsbb.bmbox.framework.ground_truth import Source
 from roah_rsbb.bmbox.framework.rule_files import file_in, load_rules, modules, own_files
 from roah_rsbb.bmbox.host.ground_truth_of_frames import FILE_NAME, FrameState, GroundTruthConfig, NoFrames, load
+from roah_rsbb.client.places import OWN_VARIABLE, is_answering
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.channels import Network, PublicChannel
 from roah_rsbb.core.copies import NO_PORT
-from roah_rsbb.document.places import OWN_VARIABLE, is_answering
 from roah_rsbb.ground.arguments import is_without_ros
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.rulebook import config

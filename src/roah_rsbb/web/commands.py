@@ -5,8 +5,8 @@ import functools
 from concurrent.futures import Future
 from typing import Any, Dict, NamedTuple, Protocol, Tuple
 
+from roah_rsbb.client.client import Answer
 from roah_rsbb.document.calls import DEVICES, SET_DEVICE
-from roah_rsbb.document.client import Answer
 from roah_rsbb.model import fields as model_fields
 from roah_rsbb.model.actions import EVERY, JUDGES, MARK, STOP, Action
 from roah_rsbb.model.as_json import from_json

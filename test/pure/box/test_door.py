@@ -17,9 +17,9 @@ from helpers.toy_box import HOST, TOKEN, Bare, ToyBox
 from helpers.toy_document import LOW
 from roah_rsbb.box import door
 from roah_rsbb.box.door import BoxDoor
+from roah_rsbb.client.places import DoorPlace, NotFound, new_token, read_place, write_place
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.document.calls import Caller, Waiting
-from roah_rsbb.document.places import DoorPlace, NotFound, new_token, read_place, write_place
 from roah_rsbb.model.reason import encode
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.web import serving

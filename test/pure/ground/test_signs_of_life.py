@@ -12,7 +12,7 @@ from unittest import mock
 import pytest
 
 from helpers.waiting import wait_until
-from roah_rsbb.document.client import OLD_S
+from roah_rsbb.client.client import OLD_S
 from roah_rsbb.ground import signs_of_life
 from roah_rsbb.ground.signs_of_life import HUNG_S, LOOK_S, STARTING, CoreSilence, Lifeline, Supervision, Watch
 from roah_rsbb.web import server

@@ -7,9 +7,9 @@ from tornado import httpclient, websocket
 
 from helpers.toy_document import LOW, Box, Toy, Zone
 from roah_rsbb.box.door import Door
+from roah_rsbb.client.places import DoorPlace
 from roah_rsbb.document.calls import Waiting
 from roah_rsbb.document.document import Written
-from roah_rsbb.document.places import DoorPlace
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Refused
 

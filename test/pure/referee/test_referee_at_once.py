@@ -8,8 +8,8 @@ import pytest
 from helpers.referee_box import box, running_zone, zone
 from helpers.running_loop import running
 from roah_rsbb.box.door import Door
+from roah_rsbb.client.places import OWN_VARIABLE, write_place
 from roah_rsbb.document.document import Written
-from roah_rsbb.document.places import OWN_VARIABLE, write_place
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.reason import Refused, say
@@ -87,7 +87,7 @@ def test_only_what_a_stop_needs_is_imported_before_it():
         [sys.executable, "-c", "import sys, roah_rsbb.referee.program\nprint(*sys.modules)"],
         stdout=subprocess.PIPE, text=True, check=True).stdout.split()
     assert {name for name in found if name.startswith("roah_rsbb.") and name.count(".") > 1} == {
-        "roah_rsbb.document.places", "roah_rsbb.ground.arguments", "roah_rsbb.referee.at_once",
+        "roah_rsbb.client.places", "roah_rsbb.ground.arguments", "roah_rsbb.referee.at_once",
         "roah_rsbb.referee.program"}
     assert not {"tornado", "asyncio", "ssl", "subprocess", "xmlrpc", "logging"} & set(found)
 

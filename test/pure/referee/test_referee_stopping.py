@@ -5,7 +5,7 @@ import threading
 import pytest
 
 from helpers.referee_box import box, running_zone, zone
-from roah_rsbb.document.client import Answer
+from roah_rsbb.client.client import Answer
 from roah_rsbb.referee.at_once import Exit, is_all
 from roah_rsbb.referee.stopping import STOP_HINT, Keyboard, Stopping, ZoneStop
 from roah_rsbb.referee.words import BadWord, stop_wanted

@@ -7,8 +7,8 @@ import pytest
 
 from helpers import slots
 from helpers.config_files import SHIPPED
+from roah_rsbb.client.places import write_place
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
-from roah_rsbb.document.places import write_place
 from roah_rsbb.ground.params import BadParams
 from roah_rsbb.tools import preflight
 from roah_rsbb.tools.competition.files import LAUNCH, launch_text

@@ -6,7 +6,7 @@ import concurrent.futures
 import pytest
 
 from helpers.shown_box import EVENT
-from roah_rsbb.document.client import UNANSWERED, Answer
+from roah_rsbb.client.client import UNANSWERED, Answer
 from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.results import JudgedRun, Judging, RunLine, RunSheet

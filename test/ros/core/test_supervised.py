@@ -19,7 +19,7 @@ from support.programs import Program, own
 from support.robots import CONFIG, RSBB_PORT
 from support.waiting import wait_until
 
-from roah_rsbb.document.places import read_place
+from roah_rsbb.client.places import read_place
 from roah_rsbb.journal.log_dir import holder_of
 from roah_rsbb.ros.core.node import NO_MASTER
 from roah_rsbb.standby.program.copying import LOCK

@@ -14,8 +14,8 @@ from support.programs import Program
 from support.robots import BOX, BROADCAST, CONFIG, RSBB_PORT
 from support.waiting import happened, wait_until
 
-from roah_rsbb.document.client import Client
-from roah_rsbb.document.places import DoorPlaces
+from roah_rsbb.client.client import Client
+from roah_rsbb.client.places import DoorPlaces
 from roah_rsbb.model.document import Document
 from roah_rsbb.srv import String
 

@@ -10,7 +10,7 @@ from support.own_core import OwnCoreCase
 from support.real_input import click_at
 from support.robots import CONFIG
 
-from roah_rsbb.document import client
+from roah_rsbb.client import client
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.rqt.client import RefereeClient
 from roah_rsbb.rqt.node import CURRENT_ZONE, WindowNode

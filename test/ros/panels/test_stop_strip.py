@@ -26,7 +26,7 @@ from support.real_input import Fingers, click_at, click_on, give_focus_away, hel
 from support.window_case import WindowCase, in_sight
 
 from helpers import catalogues
-from roah_rsbb.document import client
+from roah_rsbb.client import client
 from roah_rsbb.rqt import calls, stop_strip, stop_window, stops
 from roah_rsbb.rqt.keys import KeysPage
 from roah_rsbb.rqt.panels.devices import DevicesPanel

@@ -23,8 +23,8 @@ from support.programs import own
 from support.referee_program import Referee, called, referee
 from support.waiting import LIMIT_S, wait_until
 
-from roah_rsbb.document import places as place
-from roah_rsbb.document.places import write_place
+from roah_rsbb.client import places as place
+from roah_rsbb.client.places import write_place
 from roah_rsbb.referee import link
 from roah_rsbb.scoring.sheet import Mark
 

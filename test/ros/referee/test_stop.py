@@ -19,7 +19,7 @@ from support.programs import own, run
 from support.referee_program import Referee, called, referee
 from support.waiting import LIMIT_S, happened, wait_until
 
-from roah_rsbb.document.places import file_of, read_place, write_place
+from roah_rsbb.client.places import file_of, read_place, write_place
 
 COLUMNS = 40
 NO_MASTER = "http://127.0.0.1:9"

@@ -6,7 +6,7 @@ from typing import Any, Callable, List, Optional
 import rospy
 from std_msgs.msg import Empty
 
-from roah_rsbb.document.places import PARAM, DoorPlace, NotFound
+from roah_rsbb.client.places import PARAM, DoorPlace, NotFound
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.msg import CoreToGui, CoreToPublic, Score, ZoneState
 from roah_rsbb.ros import messages

@@ -5,8 +5,8 @@ import time
 from typing import Any, Callable, ClassVar, Optional, Tuple, TypeVar
 
 from helpers.commands import given_with
-from roah_rsbb.document.client import Client
-from roah_rsbb.document.places import DoorPlace
+from roah_rsbb.client.client import Client
+from roah_rsbb.client.places import DoorPlace
 from roah_rsbb.model.actions import ACTIONS
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.zone import AllRobots, RobotInRun, ZoneSeen

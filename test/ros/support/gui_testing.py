@@ -41,7 +41,7 @@ _settings = tempfile.TemporaryDirectory()
 os.environ.update({"DISPLAY": _start_display(), "QT_QPA_PLATFORM": "xcb", "XDG_CONFIG_HOME": _settings.name,
                    "XDG_RUNTIME_DIR": _settings.name})
 
-from roah_rsbb.document import client  # noqa: E402  (only now is there a display)
+from roah_rsbb.client import client  # noqa: E402  (only now is there a display)
 from roah_rsbb.rqt import calls, keys, stops  # noqa: E402
 from roah_rsbb.rqt.application import make_application  # noqa: E402
 from roah_rsbb.rqt.panels import panel  # noqa: E402

@@ -4,7 +4,7 @@ import pathlib
 import signal
 from typing import Any, Dict, List, Tuple
 
-from roah_rsbb.document.places import PARAM
+from roah_rsbb.client.places import PARAM
 from roah_rsbb.journal.log_dir import JOURNAL
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.run_log import KINDS, LogKind

@@ -5,7 +5,7 @@ import unittest
 
 import rospy
 
-from roah_rsbb.document import client
+from roah_rsbb.client import client
 from roah_rsbb.rqt import node
 from roah_rsbb.rqt.client import RefereeClient
 from roah_rsbb.rqt.node import WindowNode

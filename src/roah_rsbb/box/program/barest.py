@@ -15,12 +15,12 @@ import threading
 from functools import partial
 from typing import List, Mapping
 
+from roah_rsbb.client.places import OnlyStops, read_place, write_place
 from roah_rsbb.comm.channels import MakePeer, Network, PrivateChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.comm.sockets import ANY_HOST, OpenError
-from roah_rsbb.document.places import OnlyStops, read_place, write_place
 from roah_rsbb.ground import linux
 from roah_rsbb.ground.signs_of_life import CHANNEL, DOORS, WEB_PORT, Lifeline
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb

@@ -18,9 +18,9 @@ from typing import Dict, List, Optional
 
 from roah_rsbb.box import settings as settings_of
 from roah_rsbb.box.program.main import log_to_terminal, serve
+from roah_rsbb.client.places import OWN_VARIABLE
 from roah_rsbb.comm.peer import MemoryAir
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
-from roah_rsbb.document.places import OWN_VARIABLE
 from roah_rsbb.ground.arguments import Parser, called, number, without_ros
 from roah_rsbb.ground.durable import close_to_others, write_file
 from roah_rsbb.ground.installed import shipped_folder

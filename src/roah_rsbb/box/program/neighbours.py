@@ -13,6 +13,7 @@ from roah_rsbb.bmbox.host.host import chosen_benchmarks
 from roah_rsbb.box.door import BoxDoor
 from roah_rsbb.box.game import Game
 from roah_rsbb.box.program.modules_process import ModulesProcess, modules_command
+from roah_rsbb.client.client import TIMEOUT_S, UNANSWERED, Answer, Done, answer_of
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Peer
 from roah_rsbb.comm.sockets import source_host
@@ -22,7 +23,6 @@ from roah_rsbb.devices.devices import HomeDevices, open_settings
 from roah_rsbb.devices.smartif import BadSetting, Home, devices_state
 from roah_rsbb.devices.sounds import BELL, TIMEOUT, Sound, command_of
 from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, PAIR, STOPPED, Call, Caller, InThread
-from roah_rsbb.document.client import TIMEOUT_S, UNANSWERED, Answer, Done, answer_of
 from roah_rsbb.ground.installed import shipped_folder
 from roah_rsbb.ground.linux import end_loop
 from roah_rsbb.ground.loop import call_in_loop

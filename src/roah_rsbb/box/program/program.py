@@ -29,15 +29,7 @@ from roah_rsbb.box.program.neighbours import LOOPBACK, ControlledDevices, CopyCa
 from roah_rsbb.box.program.supervisor import CopyingProcess
 from roah_rsbb.box.run_logs import RunLogWriter
 from roah_rsbb.box.standing_by import wait_for_journal, wait_for_takeover
-from roah_rsbb.comm.channels import MakePeer, Network
-from roah_rsbb.comm.complaints import OnceASecond
-from roah_rsbb.comm.peer import Peer
-from roah_rsbb.comm.sender import on_grid
-from roah_rsbb.comm.sockets import ANY_HOST
-from roah_rsbb.core.copies import NO_PORT
-from roah_rsbb.core.effects import Level, SetDevice
-from roah_rsbb.document.calls import EXIT
-from roah_rsbb.document.places import (
+from roah_rsbb.client.places import (
     OWN_VARIABLE,
     NotFound,
     door_file_in,
@@ -47,6 +39,14 @@ from roah_rsbb.document.places import (
     user_folder,
     write_place,
 )
+from roah_rsbb.comm.channels import MakePeer, Network
+from roah_rsbb.comm.complaints import OnceASecond
+from roah_rsbb.comm.peer import Peer
+from roah_rsbb.comm.sender import on_grid
+from roah_rsbb.comm.sockets import ANY_HOST
+from roah_rsbb.core.copies import NO_PORT
+from roah_rsbb.core.effects import Level, SetDevice
+from roah_rsbb.document.calls import EXIT
 from roah_rsbb.ground import linux
 from roah_rsbb.ground.linux import boot_id, open_in_browser
 from roah_rsbb.ground.loop import call_in_loop

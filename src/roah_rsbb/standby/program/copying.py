@@ -22,10 +22,10 @@ from typing import IO, Any, Callable, Dict, List, Mapping, NamedTuple, Optional,
 from roah_rsbb.box.program.main import log_to_terminal
 from roah_rsbb.box.settings import BoxSettings, of_words
 from roah_rsbb.box.standing_by import wait_for_takeover
+from roah_rsbb.client.client import Client, Offer
+from roah_rsbb.client.places import DoorPlace, door_file_in, read_place
 from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.document.calls import COPIED, COPY, COPY_REPORT, HELPER, STOPPED, Caller
-from roah_rsbb.document.client import Client, Offer
-from roah_rsbb.document.places import DoorPlace, door_file_in, read_place
 from roah_rsbb.ground import linux
 from roah_rsbb.ground.durable import close_to_others
 from roah_rsbb.ground.params import BadParams

@@ -13,7 +13,7 @@ from http.client import HTTPException
 from typing import Any, Callable, List, Optional, Sequence
 from xml.parsers.expat import ExpatError
 
-from roah_rsbb.document.places import MASTER_URI
+from roah_rsbb.client.places import MASTER_URI
 from roah_rsbb.ground import linux
 from roah_rsbb.ground.arguments import is_without_ros
 from roah_rsbb.standby.program.guard import guarded

@@ -15,10 +15,10 @@ import pytest
 import roah_rsbb
 from helpers.waiting import LIMIT_S, wait_until
 from roah_rsbb.box.program.barest import open_robots
+from roah_rsbb.client.places import OWN_VARIABLE, OnlyStops, read_place
 from roah_rsbb.comm.channels import Network, PrivateChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
-from roah_rsbb.document.places import OWN_VARIABLE, OnlyStops, read_place
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
 

@@ -17,9 +17,9 @@ from roah_rsbb.box.program.demo import settings
 from roah_rsbb.box.program.main import serve
 from roah_rsbb.box.program.neighbours import InProcessClient
 from roah_rsbb.box.program.program import BoxProgram, door_file
+from roah_rsbb.client.places import OWN_VARIABLE, read_place, write_place
 from roah_rsbb.comm.peer import MemoryAir
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
-from roah_rsbb.document.places import OWN_VARIABLE, read_place, write_place
 from roah_rsbb.ground import durable
 from roah_rsbb.ground.params import BadParams
 from roah_rsbb.model.zone import ENDED, IDLE, RUNNING

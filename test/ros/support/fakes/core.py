@@ -19,6 +19,7 @@ from helpers.commands import given_with, mark_with
 from helpers.forms import shown_form
 from roah_rsbb.box.calls import BoxCalls
 from roah_rsbb.box.door import Door
+from roah_rsbb.client.places import PARAM, file_of, write_place
 from roah_rsbb.core.actions.base import ZoneAction
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
@@ -28,7 +29,6 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.document.calls import Call, InThread, Waiting, carried_out, waited
 from roah_rsbb.document.document import Written
-from roah_rsbb.document.places import PARAM, file_of, write_place
 from roah_rsbb.model import fields
 from roah_rsbb.model.actions import ACTIONS, EVERY, MARK
 from roah_rsbb.model.clock import Now, one_moment

@@ -17,10 +17,10 @@ from typing import Any, Awaitable, Callable, Dict, Generic, Mapping, NamedTuple,
 
 from tornado import httpclient, websocket
 
+from roah_rsbb.client.places import DoorPlace, NotFound
 from roah_rsbb.document.calls import MAX_MESSAGE_BYTES as MAX_SENT_BYTES
 from roah_rsbb.document.calls import Call, Caller, InThread, Waiting, carried_out, waited
 from roah_rsbb.document.document import Followed, Gap
-from roah_rsbb.document.places import DoorPlace, NotFound
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Reason, decoded, reason_of
 

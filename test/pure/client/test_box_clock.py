@@ -2,7 +2,7 @@
 
 import pytest
 
-from roah_rsbb.document.client import BoxClock
+from roah_rsbb.client.client import BoxClock
 
 
 def test_before_the_first_message_it_is_not_known():

@@ -5,7 +5,7 @@ import socket
 
 import pytest
 
-from roah_rsbb.document.places import (
+from roah_rsbb.client.places import (
     OWN_VARIABLE,
     DoorPlace,
     DoorPlaces,

@@ -11,10 +11,10 @@ from helpers.running_loop import running
 from helpers.toy_box import HOST, TOKEN, ToyBox
 from helpers.toy_document import LOW, Toy
 from roah_rsbb.box import door
-from roah_rsbb.document import client as client_file
+from roah_rsbb.client import client as client_file
+from roah_rsbb.client.client import UNANSWERED, Answer, Client, Offer
+from roah_rsbb.client.places import DoorPlace, NotFound
 from roah_rsbb.document.calls import HELPER, Caller, InThread, Waiting
-from roah_rsbb.document.client import UNANSWERED, Answer, Client, Offer
-from roah_rsbb.document.places import DoorPlace, NotFound
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.wording.device import NO_WEB
 
