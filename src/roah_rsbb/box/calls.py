@@ -86,10 +86,10 @@ class BoxCalls:
         """Stop a run; see `do`. Raises `Refused`."""
         return self.do(False, self._box.scores.stop, name, who)
 
-    def sheet(self, name: RunName) -> RunSheet:
-        """Return the score sheet of a run; see `ScoreDesk.record_of`. Raises `Refused`."""
+    def sheet(self, name: RunName, event: str = "") -> RunSheet:
+        """Return the score sheet of a run, or of an event; see `ScoreDesk.record_of`. Raises `Refused`."""
         def look(now: Now) -> None:
-            record = self._box.scores.record_of(now, name)
+            record = self._box.scores.record_of(now, name, event)
             found.append(sheets.run_sheet(record, self._box.scores.why(now, record.identity)))
 
         found: List[RunSheet] = []
@@ -123,7 +123,7 @@ class BoxCalls:
         return {"unsaved": encode(why)} if why else None
 
     def _sheet(self, found: Mapping[str, Any], caller: Caller) -> Any:
-        return to_json(self.sheet(run_of(found)))
+        return to_json(self.sheet(run_of(found), text(found, "event")))
 
     def _judges(self, found: Mapping[str, Any], caller: Caller) -> Any:
         return to_json(sheets.judged_run(self.judging(run_of(found), text(found, "judge"))))

@@ -14,7 +14,7 @@ from roah_rsbb.core.modules import Modules
 from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.machine import RunEvent, is_possible
 from roah_rsbb.core.runs.run import ZoneRun
-from roah_rsbb.core.zones import NOTHING_TO_STOP, Zone, Zones
+from roah_rsbb.core.zones import NO_EVENT, NOTHING_TO_STOP, Zone, Zones
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.modules import ModulesState, RunForModule
 from roah_rsbb.model.reason import MAX_NOTE, Refused, RunName, checked_note, checked_who, say
@@ -173,11 +173,15 @@ class ScoreDesk:
         """Return why a run counts or not; None: it is not known any more."""
         return next((ruling.why for ruling in self.rulings(now) if ruling.record.identity == identity), None)
 
-    def record_of(self, now: Now, name: RunName) -> RunRecord:
-        """Return the record of a run; of a zone without a run, one with the empty sheet of its event. Raises `Refused`.
-        """
-        if not name.identity and self._zones.named(name.zone).run is None:
-            event = self._zones[name.zone].event
+    def record_of(self, now: Now, name: RunName, event_id: str = "") -> RunRecord:
+        """Return the record of a run; of a zone without a run, one with the empty sheet of its event. `event_id`: that
+        of another event of the zone, whose empty sheet is meant. Raises `Refused`."""
+        zone = self._zones.named(name.zone)
+        if event_id or (not name.identity and zone.run is None):
+            place = zone.place_named(event_id) if event_id else zone.index
+            if place is None:
+                raise Refused([NO_EVENT(zone=zone.name, event=event_id)])
+            event = zone.events[place]
             return RunBook(event.benchmark.form).into(RunRecord("", name.zone, *key_of(event)[:5], 0.0, event=event.id))
         run = self.named(name)
         return run.record if isinstance(run, FinishedRun) else run.record(now)

@@ -19,6 +19,7 @@ from roah_rsbb.wording.texts import did_you_mean
 SAME_TIME_S = 0.001
 NO_RUN = say("No run is connected: press connect first")
 NOTHING_TO_STOP = say("No run is connected, so there is nothing to stop")
+NO_EVENT = say("zone '{zone}' has no event '{event}' any more: choose it again")
 NO_ZONE = say("no zone '{zone}'{hint}")
 _THE_END = frozenset(reason.name.lower() for reason in RAN_TO_THE_END)
 

@@ -104,10 +104,10 @@ class Link(Client[Document]):
         """Check the configuration files, or apply what was listed with this digest. Raises as `act` does."""
         return cast(Dict[str, Any], self.request("reload", digest=digest, by=referee))
 
-    def run_sheet(self, zone: str, identity: str) -> RunSheet:
+    def run_sheet(self, zone: str, identity: str, event: str = "") -> RunSheet:
         """Return a run's score sheet; an empty identity: of the connected run, or the empty one of the zone's event.
-        Raises as `act` does."""
-        return from_json(RunSheet, self.request("sheet", zone=zone, run=identity))
+        `event`: id of one whose empty sheet is meant. Raises as `act` does."""
+        return from_json(RunSheet, self.request("sheet", zone=zone, run=identity, event=event))
 
     def judging(self, zone: str, identity: str) -> JudgedRun:
         """Return what the head referee may see of a run; raises as `act` does."""

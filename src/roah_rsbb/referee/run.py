@@ -19,6 +19,7 @@ from roah_rsbb.referee.at_once import ANSWER_S, Exit, NoCore
 from roah_rsbb.referee.state import BoxFollower, Change, asked_in, news
 from roah_rsbb.referee.stopping import Keyboard
 from roah_rsbb.referee.words import (
+    GIVE_AGAIN,
     BadWord,
     EventWanted,
     form_words,
@@ -268,44 +269,41 @@ class RunScript:
         zone = self._zone()
         if zone.phase != IDLE:
             raise _Failed(Exit.REFUSED, f"a run is in zone '{zone.zone}' already ({zone.phase}): disconnect it first")
-        if self._plan.event is not None:
-            self._go_to(self._plan.event)
-        self._event = self._zone().event
-        items = self._link.run_sheet(self._plan.zone, "").items if self._plan.scores else ()
+        self._event = zone.event
+        event = self._event.id if self._plan.event is None else self._found(self._plan.event)
+        items = self._link.run_sheet(self._plan.zone, "", event).items if self._plan.scores else ()
         for word, text in self._plan.scores:
             item = items[pick_item(word, items) - 1]
             self._scores.append((item, value_of(text, item)))
+        self._go_to(event)
         while True:
             self._connect()
             if self._start():
                 return self._to_the_end()
 
-    def _go_to(self, wanted: EventWanted) -> None:
-        """Search the zone's events from here to the last one, then from here to the first one."""
-        start, seen = self._zone().event, []
-        for command in ("next", "previous"):
-            while not wanted.fits(self._zone().event):
-                event = self._zone().event
-                team = event.team if wanted.team else ""
-                seen.append(str(EventWanted(event.code, event.round, event.run, team)))
-                if self._zone().off(command):
-                    break
-                self._move(command)
-            else:
-                return
-        while self._zone().event != start and not self._zone().off("next"):
-            self._move("next")
-        there_are = ", ".join(dict.fromkeys(seen))
-        raise BadWord(f"no event {wanted} in zone '{self._plan.zone}': there are {there_are}")
+    def _found(self, wanted: EventWanted) -> str:
+        """Return the id of an event: the next one that fits, from the zone's on, else the last one before."""
+        events = [event for event in self._follower.box.events() if event.zone == self._plan.zone]
+        at = next((place for place, event in enumerate(events) if event.current), 0)
+        for event in [*events[at:], *reversed(events[:at])]:
+            if wanted.fits(event):
+                if event.signed_utc_s is not None and not event.current and not self._plan.again:
+                    raise Refused([f"{wanted} is signed off. {GIVE_AGAIN}"])
+                return event.id
+        seen = [EventWanted(event.code, event.round, event.run, event.team if wanted.team else "") for event in events]
+        raise BadWord(f"no event {wanted} in zone '{self._plan.zone}': there are "
+                      + ", ".join(dict.fromkeys(map(str, seen))))
 
-    def _move(self, command: str) -> None:
-        """Go to the next or previous event. If the core does not answer, wait for it; the zone stays at its event."""
-        try:
-            self._link.act(command, self._plan.zone)
-        except NoCore as gone:
-            self._note(f"waiting for the core: {gone}")
-            self._until_heard(self._link.here_s() + GIVE_UP_S)
-        self._settle()
+    def _go_to(self, event: str) -> None:
+        """Go to the event of that id. If the core does not answer, wait for it."""
+        while self._zone().event.id != event:
+            try:
+                self._link.act("choose_event", self._plan.zone, {"event": event, "unsigned": True})
+            except NoCore as gone:
+                self._note(f"waiting for the core: {gone}")
+                self._until_heard(self._link.here_s() + GIVE_UP_S)
+            self._settle()
+        self._event = self._zone().event
 
     def _connect(self) -> None:
         is_done = self._attempt("connect", IDLE)
@@ -381,7 +379,7 @@ class RunScript:
         if self._follower.box.box.uuid == self._uuid:
             raise _Failed(Exit.REFUSED, f"another referee moved the zone to {event.code}/{event.round}/{event.run}")
         self._uuid = self._follower.box.box.uuid
-        self._go_to(EventWanted(self._event.code, self._event.round, self._event.run, self._event.team))
+        self._go_to(self._event.id)
 
     def _give(self, command: str) -> None:
         given = {"robot": self._plan.robot, "again": self._plan.again} if command == "connect" else {}

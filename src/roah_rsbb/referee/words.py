@@ -16,8 +16,9 @@ from roah_rsbb.model.fields import (
     two_numbers,
     typed_number,
 )
+from roah_rsbb.model.results import EventSeen
 from roah_rsbb.model.scoring import MAX_NUMBER, MAX_VALUE, Entered, ScoreKind, ScoringItem
-from roah_rsbb.model.zone import Event, SheetItem
+from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.referee.at_once import STOP, meant
 from roah_rsbb.scoring.points import number_of, text_of
 from roah_rsbb.scoring.sheet import Mark, ScoreSheet
@@ -48,7 +49,7 @@ class EventWanted(NamedTuple):
     run: Optional[int] = None
     team: str = ""
 
-    def fits(self, event: Event) -> bool:
+    def fits(self, event: EventSeen) -> bool:
         """Return whether this event is meant."""
         return self.code.lower() in ("", event.code.lower()) and self.team.lower() in ("", event.team.lower()) and all(
             wanted in (None, number) for wanted, number in ((self.round, event.round), (self.run, event.run))

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from helpers.box_driver import BoxDriver
-from helpers.competition import BUMPS, competition
+from helpers.competition import BUMPS, OBJECTS, competition, event, id_of
 from roah_rsbb.box.calls import MAX_TEXT, BoxCalls, Disks
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.copies import unconfirmed
@@ -159,3 +159,15 @@ def test_sheet_and_judges_of_a_run():
     judged = carried_out(calls["judges"], {"zone": "tbm", "run": sheet.run.identity}, CALLER)
     assert from_json(JudgedRun, judged["answer"]).items == sheet.items
     assert "refused" in carried_out(calls["sheet"], {"zone": "tbm", "run": "HWV-1-2"}, CALLER)
+
+
+def test_the_empty_sheet_of_any_event_of_a_zone():
+    later = event("HWV", scoring=(OBJECTS,))
+    driver = BoxDriver(competition(tbm=[event("HGTKMH"), later]))
+    calls = BoxCalls(driver.box, driver.event).named()
+    asked = {"zone": "tbm", "run": "", "event": id_of(later)}
+    driver.connected()
+    sheet = from_json(RunSheet, carried_out(calls["sheet"], asked, CALLER)["answer"])
+    assert (sheet.run.identity, sheet.run.benchmark) == ("", "HWV")
+    assert [item.desc for item in sheet.items] == [OBJECTS.desc]
+    assert "has no event" in str(carried_out(calls["sheet"], {**asked, "event": "HWV:Gone"}, CALLER)["refused"])

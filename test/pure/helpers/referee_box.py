@@ -8,7 +8,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import BoxSeen, Document, RobotSeen
 from roah_rsbb.model.fields import Field
 from roah_rsbb.model.reason import Refused
-from roah_rsbb.model.results import RunLine, RunSheet
+from roah_rsbb.model.results import EventSeen, RunLine, RunSheet
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import (
     CONNECTED,
@@ -97,15 +97,17 @@ class FakeLink:
         self.dead = False  # silent, and no call is answered
         self.extra_off: Dict[str, List[str]] = {}
         self.signed_off = False  # what begins a run is refused, unless it is `again`
-        self.true_box = box(self._with_off(zone()))
-        self.box = self.true_box
+        self.events = EVENTS
+        self.signed: List[str] = []  # ids of events that are signed off
+        self.sheets = {event.id: ITEMS for event in EVENTS}
+        self.true_box = self.box = box()
         self.commands: List[str] = []
         self.scores: Dict[str, int] = {}
         self.answers: Dict[str, List[Optional[Exception]]] = {}  # for a command: what its next calls raise
-        self.index = 0
         self.given: List[tuple] = []  # answers to manual operations and entries for switches, as they came
         self._plans: List[tuple] = []
         self._connects = 0
+        self.change()
 
     # -- what a test plays ---------------------------------------------------------------------------
 
@@ -123,9 +125,17 @@ class FakeLink:
 
     def _set(self, new: ZoneSeen) -> None:
         new = self._with_off(new)
-        self.true_box = self.true_box._replace(zones={new.zone: new})
+        schedule = {event.id: EventSeen(
+            event.id, number, new.zone, event.code, event.name, event.team, event.round, event.run, event.scheduled,
+            event.scheduled, "next", event == new.event, signed_utc_s=UTC0 if event.id in self.signed else None)
+            for number, event in enumerate(self.events, 1)}
+        self.true_box = self.true_box._replace(zones={new.zone: new}, schedule=schedule)
         if not self.time:
             self.box = self.true_box  # the link was open before
+
+    def at_event(self, name: str) -> None:
+        """The zone is at the event of that id."""
+        self.change(event=next(event for event in self.events if event.id == name))
 
     def end(self, reason: str) -> None:
         """End the run."""
@@ -138,7 +148,6 @@ class FakeLink:
     def restart(self, **fields: Any) -> None:
         """The core is started again; without `fields` its zone has no run any more."""
         self.silent = self.dead = False
-        self.index = 0
         self.true_box = self.true_box._replace(box=self.true_box.box._replace(uuid=self.true_box.box.uuid + "'"))
         self.change(**(fields or {**NO_RUN, "event": EVENTS[0]}))
 
@@ -223,16 +232,15 @@ class FakeLink:
             "start": lambda: self.change(phase=RUNNING),
             "stop": lambda: self.end("stopped"),
             "disconnect": lambda: self.change(**NO_RUN),
-            "next": lambda: self._move(1),
-            "previous": lambda: self._move(-1),
+            "choose_event": lambda: self.at_event(given["event"]),
         }[action]()
         if given and "robot" in given:
             self.change(robot=ROBOT._replace(robot=given["robot"]))
 
-    def run_sheet(self, name: str, identity: str) -> RunSheet:
-        """The empty sheet of the event."""
+    def run_sheet(self, name: str, identity: str, event: str) -> RunSheet:
+        """The empty sheet of an event."""
         assert (name, identity) == (self.zone.zone, "")
-        return RunSheet(RunLine("", 0, name, "HGTKMH", "TestingTeam", 1, 1, 0.0), (), 0.0, ITEMS, (), ())
+        return RunSheet(RunLine("", 0, name, "HGTKMH", "TestingTeam", 1, 1, 0.0), (), 0.0, self.sheets[event], (), ())
 
     def stop_run(self, name: str, identity: str) -> None:
         """As the core: only the run of that identity."""
@@ -276,20 +284,14 @@ class FakeLink:
             raise answer
         self.given.append(what)
 
-    def _move(self, by: int) -> None:
-        self.index += by
-        self.change(event=EVENTS[self.index])
-
     def _with_off(self, fresh: ZoneSeen) -> ZoneSeen:
-        index = EVENTS.index(fresh.event)
         idle = fresh.phase == IDLE
         own = {
             "connect": [] if idle else ["Already connected"],
             "start": [] if fresh.phase in (CONNECTED, ENDED) else ["Not now"],
             "stop": ["No run"] if idle else [],
             "disconnect": ["No run"] if idle else [],
-            "previous": [] if idle and index > 0 else ["first event"],
-            "next": [] if idle and index < len(EVENTS) - 1 else ["last event"],
+            "choose_event": [] if idle else ["A run is connected"],
         }
         off = off_as({name: [*own.get(name, ["Not in this test"]), *self.extra_off.get(name, [])] for name in ACTIONS})
         if idle and self.signed_off:

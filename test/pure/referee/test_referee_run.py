@@ -4,8 +4,7 @@ import functools
 
 import pytest
 
-from helpers import referee_box
-from helpers.referee_box import EVENTS, NO_RUN, FakeLink
+from helpers.referee_box import EVENTS, ITEMS, NO_RUN, FakeLink
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.referee.at_once import Exit, NoCore
 from roah_rsbb.referee.run import RunScript, ScriptPlan
@@ -17,11 +16,6 @@ GONE, REFUSED, INTERRUPT = NoCore("gone"), Refused(["Skew"]), KeyboardInterrupt(
 
 class Played(FakeLink):
     """A core of which a test says what happens when."""
-
-    def at_event(self, index):
-        """The zone is at this event."""
-        self.index = index
-        self.change(event=EVENTS[index])
 
     def vanish(self):
         """The zone is no longer in the schedule."""
@@ -247,41 +241,62 @@ def test_a_score_that_cannot_be_set_does_not_end_the_run(link):
 # -- events ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("start, wanted, run, steps", [
-    (0, "HGTKMH", 1, []),
-    (1, "HGTKMH", 3, ["next"]),
-    (3, "HGTKMH", 3, ["previous"]),
-    (2, "HWV", 2, ["next", "previous", "previous"]),
-    (0, "hgtkmh/1/3", 3, ["next", "next"]),
+@pytest.mark.parametrize("start, wanted, event, chosen", [
+    ("e1", "HGTKMH", "e1", []),
+    ("e2", "HGTKMH", "e3", ["choose_event"]),
+    ("e4", "HGTKMH", "e3", ["choose_event"]),
+    ("e3", "HWV", "e2", ["choose_event"]),
+    ("e1", "hgtkmh/1/3", "e3", ["choose_event"]),
 ])
-def test_the_zone_is_moved_to_the_event(link, start, wanted, run, steps):
+def test_the_zone_is_moved_to_the_event(link, start, wanted, event, chosen):
     played(link, (0, "at_event", start), COMPLETED)
     outcome, _ = _run(link, event=event_wanted(wanted))
-    assert outcome.zone.event.run == run
-    assert link.commands == [*steps, "connect", "start", "disconnect"]
+    assert outcome.zone.event.id == event
+    assert link.commands == [*chosen, "connect", "start", "disconnect"]
 
 
-@pytest.mark.parametrize("start", [0, 1])
-def test_an_event_that_is_not_there_leaves_the_zone_where_it_was(link, start):
-    played(link, (0, "at_event", start))
-    outcome, _ = _run(link, event=event_wanted("STB"))
-    assert (outcome.status, link.zone.event) == (Exit.USAGE, EVENTS[start])
-    assert "no event STB" in outcome.text and "HGTKMH/1/3" in outcome.text
-    assert "connect" not in link.commands
+@pytest.mark.parametrize("plan, status, text", [
+    ({"event": event_wanted("STB")}, Exit.USAGE,
+     "no event STB in zone 'Home A': there are HGTKMH/1/1, HWV/1/2, HGTKMH/1/3, HCFGAC/1/4"),
+    ({"event": event_wanted("HCFGAC"), "scores": [("poured", "1")]}, Exit.USAGE,
+     "no scoring item 'poured'; there are\n   1  Devices: Lights on"),
+    ({"event": event_wanted("HGTKMH/1/3")}, Exit.REFUSED,
+     "refused: HGTKMH/1/3 is signed off. Give --again for another attempt"),
+])
+def test_the_zone_stays_at_its_event_unless_all_that_was_typed_is_right(link, plan, status, text):
+    link.signed.append("e3")
+    link.sheets["e4"] = (ITEMS[0]._replace(group="Devices", desc="Lights on"),)
+    played(link, (0, "at_event", "e2"))
+    outcome, _ = _run(link, **plan)
+    assert (outcome.status, outcome.text, link.commands) == (status, text, [])
+
+
+def test_scores_are_those_of_the_event_to_which_the_zone_is_moved(link):
+    link.sheets["e1"] = ()
+    played(link, COMPLETED)
+    outcome, _ = _run(link, event=event_wanted("HWV"), scores=(("door", "yes"),))
+    assert (outcome.status, link.scores) == (Exit.OK, {"Detects the door": 1})
+
+
+def test_another_attempt_at_an_event_that_is_signed_off(link):
+    link.signed.append("e3")
+    played(link, COMPLETED, (0, "at_event", "e2"))
+    outcome, _ = _run(link, event=event_wanted("HGTKMH/1/3"), again=True)
+    assert (outcome.status, outcome.zone.event.id) == (Exit.OK, "e3")
 
 
 def test_a_restart_on_the_way_to_the_event_is_waited_out(link):
-    played(link, (0.1, "die"), (9, "restart"), (20, "end", "completed"), answers={"next": [None, NoCore("gone")]})
+    played(link, (0.1, "die"), (9, "restart"), (20, "end", "completed"), answers={"choose_event": [NoCore("gone")]})
     outcome, reported = _run(link, event=event_wanted("HCFGAC"))
     assert (outcome.status, outcome.zone.event.code) == (Exit.OK, "HCFGAC")
     assert [what for kind, what in reported if kind == "note"] == ["waiting for the core: gone"]
-    assert " ".join(link.commands) == f"next next next next next {TO_THE_END}"
+    assert " ".join(link.commands) == f"choose_event choose_event {TO_THE_END}"
 
 
 @pytest.mark.parametrize("acts", [
-    [(0, "block", "connect", "No robot"), (2, "at_event", 1), (2, "block", "connect")],
+    [(0, "block", "connect", "No robot"), (2, "at_event", "e2"), (2, "block", "connect")],
     # After a restart, the core is at its first event. The later move is another referee's.
-    [(0, "at_event", 2), (0, "block", "connect", "No robot"), (2, "restart"), (6, "at_event", 1)],
+    [(0, "at_event", "e3"), (0, "block", "connect", "No robot"), (2, "restart"), (6, "at_event", "e2")],
 ])
 def test_a_zone_that_another_referee_moves_is_not_connected(link, acts):
     played(link, *acts)
@@ -291,11 +306,11 @@ def test_a_zone_that_another_referee_moves_is_not_connected(link, acts):
 
 
 def test_a_core_that_begins_at_its_first_event_again_is_moved_back(link):
-    played(link, (0, "at_event", 2), (0, "block", "connect", "No robot"), (2, "die"), (8, "restart"),
+    played(link, (0, "at_event", "e3"), (0, "block", "connect", "No robot"), (2, "die"), (8, "restart"),
            (9, "block", "connect"), (15, "end", "completed"))
     outcome, _ = _run(link)
     assert outcome.zone.event == EVENTS[2]
-    assert " ".join(link.commands) == f"next next {TO_THE_END}"
+    assert " ".join(link.commands) == f"choose_event {TO_THE_END}"
 
 
 def test_it_connects_the_chosen_robot(link):
@@ -304,10 +319,9 @@ def test_it_connects_the_chosen_robot(link):
     assert (outcome.status, outcome.zone.robot_name) == (Exit.OK, "b2")
 
 
-def test_it_goes_to_an_event_of_a_team(link, monkeypatch):
+def test_it_goes_to_an_event_of_a_team(link):
     teams = ("TestingTeam", "TestingTeam", "Beta", "TestingTeam")
-    events = tuple(event._replace(team=team) for event, team in zip(EVENTS, teams))
-    monkeypatch.setattr(referee_box, "EVENTS", events)
+    link.events = events = tuple(event._replace(team=team) for event, team in zip(EVENTS, teams))
     link.change(event=events[0])
     link.at(5, lambda: link.end("completed"))
     outcome, _ = _run(link, event=EventWanted(team="beta"))

@@ -4,7 +4,7 @@ from typing import Any, Dict, List, Tuple
 
 from roah_rsbb.core.actions.base import Given, ZoneAction
 from roah_rsbb.core.runs.machine import RunEvent, is_possible
-from roah_rsbb.core.zones import NO_RUN, NOTHING_TO_STOP, Zone
+from roah_rsbb.core.zones import NO_EVENT, NO_RUN, NOTHING_TO_STOP, Zone
 from roah_rsbb.model.actions import UNSIGNED
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.fields import Choice, Field
@@ -34,7 +34,6 @@ PAUSED, NOT_PAUSED = say("The clock is paused"), say("The clock is not paused")
 NO_PHASES = say("This benchmark has no phases")
 FIRST_PHASE, LAST_PHASE = say("This is the first phase"), say("This is the last phase")
 FIRST_EVENT, LAST_EVENT = say("This is the zone's first event"), say("This is the zone's last event")
-NO_EVENT = say("zone '{zone}' has no event '{event}' any more: choose it again")
 OTHER_TEAM = say("The event is of team {team} now: choose it again")
 
 
