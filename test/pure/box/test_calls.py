@@ -168,6 +168,6 @@ def test_the_empty_sheet_of_any_event_of_a_zone():
     asked = {"zone": "tbm", "run": "", "event": id_of(later)}
     driver.connected()
     sheet = from_json(RunSheet, carried_out(calls["sheet"], asked, CALLER)["answer"])
-    assert (sheet.run.identity, sheet.run.benchmark) == ("", "HWV")
+    assert (sheet.run.identity, sheet.run.code) == ("", "HWV")
     assert [item.desc for item in sheet.items] == [OBJECTS.desc]
     assert "has no event" in str(carried_out(calls["sheet"], {**asked, "event": "HWV:Gone"}, CALLER)["refused"])
