@@ -11,6 +11,8 @@ from roah_rsbb.ground.installed import shipped_folder
 from roah_rsbb.ground.params import BadParams, Params
 
 BELL, TIMEOUT = "bell.wav", "timeout.wav"
+# With which a player is tried.
+SILENCE = "silence.wav"
 # The first one that is installed plays the included sounds. aplay is in package alsa-utils of Debian and Ubuntu.
 _PLAYERS = (("aplay", "-q"), ("paplay",), ("pw-play",), ("ffplay", "-nodisp", "-autoexit"))
 # Time limit for playing, so that a hanging player does not block the next ring.
@@ -105,6 +107,6 @@ def command_of(params: Params, name: str, file: str) -> List[str]:
 
 
 def default_command(file: str) -> List[str]:
-    """The command that plays an included sound, `BELL` or `TIMEOUT`. Raises `NotShipped`."""
+    """The command that plays an included sound, such as `BELL`. Raises `NotShipped`."""
     path = str(shipped_folder().parent / "resource" / "sounds" / file)
     return [*next((player for player in _PLAYERS if shutil.which(player[0])), _PLAYERS[0]), path]

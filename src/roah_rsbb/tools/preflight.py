@@ -12,7 +12,7 @@ from roah_rsbb.box.parameters import BoxParameters, parameters_of, read_paramete
 from roah_rsbb.box.settings import of_competition, of_words
 from roah_rsbb.client.places import local_door_file
 from roah_rsbb.comm.sockets import ANY_HOST
-from roah_rsbb.devices.sounds import BELL, TIMEOUT, command_of
+from roah_rsbb.devices.sounds import SILENCE, command_of
 from roah_rsbb.ground.arguments import Parser, called, is_without_ros, number
 from roah_rsbb.ground.params import BadParams
 from roah_rsbb.tools import preflight_checks as checks
@@ -66,7 +66,7 @@ class CheckedSettings(NamedTuple):
     smartif_port: int
     tablet_port: int  # 0: any free port, or no page
     web_port: int  # 0: any free port, or no pages
-    players: List[str]  # the programs that play sounds
+    players: List[List[str]]  # the commands that play sounds; for an included one, that which plays silence
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -89,8 +89,7 @@ def read_settings(options: argparse.Namespace, words: List[str]) -> CheckedSetti
     """
     given = {name: getattr(options, name) for name in _OPTIONS if getattr(options, name) is not None}
     settings = of_competition(options.folder or options.competition or "", {**of_words(words), **given})
-    players = [command_of(settings, name, file)[0] for name, file in (
-        ("bell_ring_command", BELL), ("timeout_ring_command", TIMEOUT))]
+    bell, timeout = (command_of(settings, name, SILENCE) for name in ("bell_ring_command", "timeout_ring_command"))
     modules_dir = settings.path("modules_dir")
     has_devices, has_tablet, has_web = (settings.flag(name, True) for name in ("devices", "tablet", "web"))
     smartif_host, smartif_port = settings.text("smartif_host"), settings.whole("smartif_port", 6665, 1, 65535)
@@ -98,7 +97,7 @@ def read_settings(options: argparse.Namespace, words: List[str]) -> CheckedSetti
     # Of the launch file of a box with ROS, only roslaunch knows which arguments it uses.
     box = parameters_of(settings) if is_without_ros() else read_parameters(settings)
     return CheckedSettings(box, modules_dir, has_devices, smartif_host, smartif_port, tablet_port if has_tablet else 0,
-                           web_port if has_web else 0, list(dict.fromkeys(players)))
+                           web_port if has_web else 0, [bell] if bell == timeout else [bell, timeout])
 
 
 def findings(settings: CheckedSettings, folder: str, listen_s: float) -> List[Remark]:

@@ -9,6 +9,7 @@ import ctypes
 import enum
 import errno
 import os
+import shlex
 import shutil
 import socket
 import subprocess
@@ -22,6 +23,8 @@ from roah_rsbb.client.places import OWN_VARIABLE, is_answering
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.channels import Network, PublicChannel
 from roah_rsbb.core.copies import NO_PORT
+from roah_rsbb.devices.sounds import BELL as BELL_FILE
+from roah_rsbb.devices.sounds import SILENCE
 from roah_rsbb.ground.arguments import is_without_ros
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.rulebook import config
@@ -41,6 +44,8 @@ PORTS = 50
 SHIPPED_PASSWORDS = frozenset({"PASSWORD", "DefaultKey", "randomkey", "t9Kd2wQx", "Hb7mZ4pe", "vR3sY8nu", "J6cfW1ga"})
 # Maximum number of open TCP ports in a line.
 MAX_SHOWN = 10
+# Seconds in which a player plays silence.
+PLAYER_S = 5.0
 _TIME_ERROR = 5  # result of adjtimex: the clock is not synchronised
 
 
@@ -270,12 +275,29 @@ def _check_passwords(loaded: Config) -> Remark:
     return Remark(Severity.OK, "no team has a password from the included passwords file")
 
 
-def check_player(command: str, installed: Callable[[str], Optional[str]] = shutil.which) -> Remark:
-    """Check that the bell and the timeout can be heard. `command`: a program that plays sounds."""
-    if installed(command):
-        return Remark(Severity.OK, f"sounds are played by {command}")
-    return Remark(Severity.WARNING, f"{command} is not installed: the sounds that it plays will not be heard",
-                  "install alsa-utils, or set bell_ring_command and timeout_ring_command")
+def check_player(command: Sequence[str], limit_s: float = PLAYER_S) -> Remark:
+    """Check that the bell and the timeout can be heard. `command`: plays one of them, or silence; only that is tried.
+    """
+    player, remedy = command[0], "set bell_ring_command and timeout_ring_command"
+    if not shutil.which(player):
+        return Remark(Severity.WARNING, f"{player} is not installed: the sounds that it plays will not be heard",
+                      f"install alsa-utils, or {remedy}")
+    if not command[-1].endswith(SILENCE):
+        return Remark(Severity.OK, f"sounds are played by {player}. It was not tried, because that can be heard")
+    try:
+        tried = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=limit_s, check=False)
+    except subprocess.TimeoutExpired:
+        why = f"it did not end within {limit_s:g} s"
+    except OSError as error:
+        why = str(error.strerror)
+    else:
+        if tried.returncode == 0:
+            return Remark(Severity.OK, f"sounds are played by {player}")
+        said = tried.stderr.decode("utf-8", "replace").strip().splitlines()
+        why = said[-1] if said else f"it failed with status {tried.returncode}"
+    audible = shlex.join([*command[:-1], command[-1][:-len(SILENCE)] + BELL_FILE])
+    return Remark(Severity.WARNING, f"{player} cannot play the sounds, so nobody will hear them: {why}",
+                  f"connect and choose a sound device, then try it: {audible}. Or {remedy}")
 
 
 def check_display(there_is_one: bool) -> Remark:

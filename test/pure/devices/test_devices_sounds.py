@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-from roah_rsbb.devices.sounds import BELL, TIMEOUT, Sound, default_command, words_of
+from roah_rsbb.devices.sounds import BELL, SILENCE, TIMEOUT, Sound, default_command, words_of
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 LIMIT_S = 20
@@ -161,7 +161,7 @@ def test_words_of_a_command(command, words):
 ])
 def test_the_first_player_that_is_installed_plays(monkeypatch, installed, player):
     monkeypatch.setattr("shutil.which", lambda name: f"/bin/{name}" if name in installed else None)
-    for file in (BELL, TIMEOUT):
+    for file in (BELL, TIMEOUT, SILENCE):
         command = default_command(file)
         assert command[:-1] == player
         assert os.path.samefile(command[-1], ROOT / "resource" / "sounds" / file)
@@ -171,6 +171,6 @@ def test_the_first_player_that_is_installed_plays(monkeypatch, installed, player
 def test_the_files_are_what_the_script_makes(tmp_path):
     subprocess.run([sys.executable, str(ROOT / "tools" / "make_sounds"), str(tmp_path)], check=True)
     made = sorted(path.name for path in tmp_path.iterdir())
-    assert made == ["bell.wav", "timeout.wav"]
+    assert made == sorted([BELL, SILENCE, TIMEOUT])
     for name in made:
         assert (tmp_path / name).read_bytes() == (ROOT / "resource" / "sounds" / name).read_bytes()

@@ -83,7 +83,7 @@ def test_what_is_given_counts_more(folder):
                      "timeout_ring_command:=play timeout.wav")
     assert (found.box.files[1], found.box.log_dir) == ("/other.yaml", "/log")
     assert (found.box.network.rsbb_host, found.box.network.rsbb_port) == ("10.0.1.255", 7000)
-    assert (found.tablet_port, found.players) == (1234, ["play"])
+    assert (found.tablet_port, found.players) == (1234, [["play", "bell.wav"], ["play", "timeout.wav"]])
 
 
 @pytest.mark.parametrize("word, said", [

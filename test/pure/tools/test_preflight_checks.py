@@ -229,8 +229,31 @@ def test_a_wrong_parameter_of_a_scheduled_module_fails(tmp_path):
     assert "goal_timeout" in failed[0]
 
 
-def test_player_and_display():
-    assert checks.check_player("aplay", lambda name: f"/usr/bin/{name}").level is Severity.OK
-    missing = checks.check_player("aplay", lambda name: None)
-    assert (missing.level, "alsa-utils" in missing.remedy) == (Severity.WARNING, True)
+@pytest.mark.parametrize("script, level, text", [
+    ("exit 0", Severity.OK, "sounds are played by {player}"),
+    ("echo ALSA lib; echo no soundcards found >&2; exit 1", Severity.WARNING,
+     "{player} cannot play the sounds, so nobody will hear them: no soundcards found"),
+    ("exit 3", Severity.WARNING,
+     "{player} cannot play the sounds, so nobody will hear them: it failed with status 3"),
+    ("exec sleep 60", Severity.WARNING,
+     "{player} cannot play the sounds, so nobody will hear them: it did not end within 0.5 s"),
+    (None, Severity.WARNING, "{player} is not installed: the sounds that it plays will not be heard"),
+])
+def test_a_player_is_tried_with_silence(tmp_path, script, level, text):
+    player = tmp_path / "player"
+    if script is not None:
+        player.write_text(f"#!/bin/sh\n{script}\n")
+        player.chmod(0o755)
+    found = checks.check_player([str(player), "-q", "/sounds/silence.wav"], 0.5 if script and "sleep" in script else 60)
+    assert (found.level, found.text) == (level, text.format(player=player))
+    assert ("bell_ring_command" in found.remedy) == (level is Severity.WARNING)
+    assert (f"try it: {player} -q /sounds/bell.wav" in found.remedy) == ("nobody" in text)
+
+
+def test_a_command_of_the_organisers_own_is_not_tried(tmp_path):
+    found = checks.check_player(["/bin/false", "bell.wav"])
+    assert (found.level, "It was not tried" in found.text) == (Severity.OK, True)
+
+
+def test_display():
     assert (checks.check_display(True).level, checks.check_display(False).level) == (Severity.OK, Severity.WARNING)
