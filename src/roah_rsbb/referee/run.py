@@ -209,13 +209,14 @@ class ScriptOutcome(NamedTuple):
     zone: Optional[ZoneSeen] = None  # before the disconnect; None: there was no run
 
 
-class _Claim(enum.Enum):
-    """What the script knows of the run in its zone."""
+class _Own(enum.IntEnum):
+    """How far the script's own run has come."""
 
-    NONE = "no run is its own"
-    ASKED = "a connect was sent, and not answered"
-    UNSURE = "a run is connected since then, which may be another referee's"
-    OURS = "the core confirmed the connect"
+    NONE = 0
+    CONNECTING = 1  # a connect was sent, and not answered
+    CONNECTED = 2
+    STARTING = 3  # a start was sent, and not answered
+    STARTED = 4
 
 
 class _Failed(Exception):
@@ -238,18 +239,22 @@ class RunScript:
         self._plan = plan
         self._report = report
         self._follower = BoxFollower(link, plan.zone)
-        self._claim = _Claim.NONE
-        self._run = ""  # identity of the run; empty: not connected yet
-        self._may_start = False  # a start was sent, and was not refused
+        self._own = _Own.NONE
+        self._run = ""  # identity of the run; empty: not known yet
+        self._is_sure = True  # the run is not another referee's
         self._event = self._zone().event
         self._uuid = self._follower.box.box.uuid  # of the core that has our run
-        self._scores: List[Tuple[SheetItem, Entered]] = []
+        self._scores: List[Tuple[SheetItem, Entered]] = []  # to be set
         self._unmarked = ""  # why a score could not be set
 
     def run(self) -> ScriptOutcome:
         """Run the script to its end. Ctrl-C (KeyboardInterrupt) stops the run and leaves it."""
         try:
-            return self._whole()
+            self._prepare()
+            while True:
+                outcome = self._STEPS[self._shown()](self)
+                if outcome is not None:
+                    return outcome
         except _Failed as failed:
             return self._leave(failed.status, str(failed))
         except Refused as refused:
@@ -263,9 +268,9 @@ class RunScript:
         except KeyboardInterrupt:
             return self._interrupted()
 
-    # -- the steps ----------------------------------------------------------------------------------
+    # -- before the run -----------------------------------------------------------------------------
 
-    def _whole(self) -> ScriptOutcome:
+    def _prepare(self) -> None:
         zone = self._zone()
         if zone.phase != IDLE:
             raise _Failed(Exit.REFUSED, f"a run is in zone '{zone.zone}' already ({zone.phase}): disconnect it first")
@@ -276,10 +281,6 @@ class RunScript:
             item = items[pick_item(word, items) - 1]
             self._scores.append((item, value_of(text, item)))
         self._go_to(event)
-        while True:
-            self._connect()
-            if self._start():
-                return self._to_the_end()
 
     def _found(self, wanted: EventWanted) -> str:
         """Return the id of an event: the next one that fits, from the zone's on, else the last one before."""
@@ -301,59 +302,107 @@ class RunScript:
                 self._link.act("choose_event", self._plan.zone, {"event": event, "unsigned": True})
             except NoCore as gone:
                 self._note(f"waiting for the core: {gone}")
-                self._until_heard(self._link.here_s() + GIVE_UP_S)
+                self._wait(GIVE_UP_S, self._is_heard_after(self._link.here_s()))
             self._settle()
         self._event = self._zone().event
 
+    # -- the steps: each returns the outcome, or None for the next step -------------------------------
+
     def _connect(self) -> None:
-        is_done = self._attempt("connect", IDLE)
+        if self._attempt("connect", _Own.CONNECTING):
+            if self._zone().phase == IDLE:
+                raise _Failed(Exit.REFUSED, "the run did not begin: see the core's log")
+            self._take(is_sure=True)
+
+    def _take(self, is_sure: bool = False) -> None:
+        """Take the run that has come into the zone as the script's own."""
         zone = self._zone()
-        if is_done and zone.phase == IDLE:
-            raise _Failed(Exit.REFUSED, "the run did not begin: see the core's log")
-        if not is_done and self._claim is _Claim.NONE:
+        if self._own is _Own.NONE:
             raise _Failed(Exit.REFUSED, f"another referee was quicker: zone '{zone.zone}' is {zone.phase}")
-        self._claim = _Claim.OURS if is_done else _Claim.UNSURE
+        self._own, self._is_sure = _Own.CONNECTED, is_sure
         self._run, self._uuid = zone.identity, self._follower.box.box.uuid
 
-    def _start(self) -> bool:
-        """Start the run and set the scores; False: a restart of the core lost the run before it was started."""
-        self._attempt("start", CONNECTED)
+    def _start(self) -> None:
+        if self._own is _Own.STARTED:
+            raise _Failed(Exit.NOT_COMPLETED, f"the run did not complete: it is {CONNECTED} again")
+        if self._attempt("start", _Own.STARTING):
+            self._own = _Own.STARTED
+
+    def _play(self) -> None:
+        self._mark()
+        if self._is_stopped():  # typed while the start was on its way: the start may have come later
+            with contextlib.suppress(Refused, NoCore):
+                self._link.stop_run(self._plan.zone, self._run)
+        self._step(STEP_S)
+        if self._answers is not None and self._shown() == (True, RUNNING):
+            self._answers.look(self._zone())
+
+    def _mark(self) -> None:
+        """Set the scores, now that the run has been started."""
+        self._own = _Own.STARTED
+        while self._scores:
+            item, value = self._scores.pop(0)
+            try:
+                self._link.mark(self._plan.zone, self._run, item, value)
+            except (Refused, NoCore) as error:
+                self._unmarked = f"; '{item.desc}' = {value.added or value.text or value.value} failed: {error}"
+                self._note(self._unmarked[2:])
+
+    def _end(self) -> ScriptOutcome:
+        self._mark()
         zone = self._zone()
-        if zone.identity != self._run:
-            if zone.phase == IDLE and self._follower.box.box.uuid != self._uuid:
-                self._note("the core was restarted: connecting again")
-                self._run, self._claim = "", _Claim.NONE
-                return False
-            raise _Failed(Exit.NOT_COMPLETED, self._how_it_went())
-        for item, value in self._scores:
-            self._mark(item, value)
-        return True
+        if zone.end_reason == COMPLETED:
+            status = Exit.REFUSED if self._unmarked else Exit.OK
+            return self._leave(status, f"the run is completed{self._unmarked}")
+        if zone.end_reason == STOPPED:
+            # Whoever stopped it may want to start it again.
+            text = ("stopped, and left connected" if self._is_stopped()
+                    else "stopped by another referee, and left connected for that one")
+            return ScriptOutcome(Exit.NOT_COMPLETED, text, zone)
+        return self._leave(Exit.NOT_COMPLETED, f"the run did not complete: {END_REASONS[zone.end_reason]}")
 
-    def _mark(self, item: SheetItem, value: Entered) -> None:
-        try:
-            self._link.mark(self._plan.zone, self._run, item, value)
-        except (Refused, NoCore) as error:
-            self._unmarked = f"; '{item.desc}' = {value.added or value.text or value.value} failed: {error}"
-            self._note(self._unmarked[2:])
+    def _lose(self) -> None:
+        """Connect again, if a restart of the core has lost the run before it was started."""
+        if self._zone().phase != IDLE or self._follower.box.box.uuid == self._uuid:
+            raise _Failed(Exit.NOT_COMPLETED, "the run did not complete: another referee disconnected it")
+        if self._own is _Own.STARTED:
+            raise _Failed(Exit.NOT_COMPLETED, "the run did not complete: it was lost when the core was restarted")
+        self._note("the core was restarted: connecting again")
+        self._run, self._own = "", _Own.NONE
 
-    def _attempt(self, command: str, phase: str) -> bool:
-        """Give a command as soon as it is allowed. Returns True once the core carried it out, or False as soon as
-        the zone is no longer in `phase`."""
+    # By whether the zone shows our run (None: there is none yet), and by its phase.
+    _STEPS: Dict[Tuple[Optional[bool], str], Callable[["RunScript"], Optional[ScriptOutcome]]] = {
+        (None, IDLE): _connect,
+        **dict.fromkeys(((None, CONNECTED), (None, RUNNING), (None, ENDED)), _take),
+        (True, CONNECTED): _start,
+        (True, RUNNING): _play,
+        (True, ENDED): _end,
+        **dict.fromkeys(((False, IDLE), (False, CONNECTED), (False, RUNNING), (False, ENDED)), _lose),
+    }
+
+    def _shown(self) -> Tuple[Optional[bool], str]:
+        zone = self._zone()
+        return zone.identity == self._run if self._run else None, zone.phase
+
+    def _attempt(self, command: str, asked: _Own) -> bool:
+        """Give a command as soon as it is allowed; `asked`: how far the run has come then. Returns True once the core
+        carried it out, or False as soon as the zone is another one's, or in another phase."""
+        shown = self._shown()
         deadline = self._link.here_s() + self._plan.wait_s
         known: Tuple[str, ...] = ()
-        while self._zone().phase == phase:
-            asked = () if self._plan.again else to_confirm(self._zone().action(command))
-            if asked:
-                raise Refused(list(asked))
+        while self._shown() == shown:
+            question = () if self._plan.again else to_confirm(self._zone().action(command))
+            if question:
+                raise Refused(list(question))
             if self._is_stopped():
                 raise _Failed(Exit.NOT_COMPLETED, "stopped before the run began")
             gone: Optional[NoCore] = None
-            if phase == IDLE:
+            if not self._run:
                 self._hold_event()
             reasons = tuple(self._zone().off(command))
             if not reasons:
                 try:
-                    self._give(command)
+                    self._give(command, asked)
                 except Refused as refused:
                     reasons = tuple(refused.reasons)  # the zone changed since the snapshot
                 except NoCore as error:
@@ -381,102 +430,66 @@ class RunScript:
         self._uuid = self._follower.box.box.uuid
         self._go_to(self._event.id)
 
-    def _give(self, command: str) -> None:
+    def _give(self, command: str, asked: _Own) -> None:
         given = {"robot": self._plan.robot, "again": self._plan.again} if command == "connect" else {}
-        before, self._may_start = self._claim, command == "start"
-        if command == "connect":
-            self._claim = _Claim.ASKED
+        before, self._own = self._own, asked
         try:
             self._link.act(command, self._plan.zone, {name: value for name, value in given.items() if value})
         except Refused:
-            self._claim, self._may_start = before, False
+            self._own = before
             raise
-
-    def _to_the_end(self) -> ScriptOutcome:
-        while self._is_running():
-            if self._is_stopped():  # typed while the start was on its way: the start may have come later
-                with contextlib.suppress(Refused, NoCore):
-                    self._link.stop_run(self._plan.zone, self._run)
-            self._step(STEP_S)
-            if self._answers is not None and self._is_running():
-                self._answers.look(self._zone())
-        zone = self._zone()
-        if zone.identity != self._run or zone.phase != ENDED:
-            raise _Failed(Exit.NOT_COMPLETED, self._how_it_went())
-        if zone.end_reason == COMPLETED:
-            status = Exit.REFUSED if self._unmarked else Exit.OK
-            return self._leave(status, f"the run is completed{self._unmarked}")
-        if zone.end_reason == STOPPED:
-            # Whoever stopped it may want to start it again.
-            text = ("stopped, and left connected" if self._is_stopped()
-                    else "stopped by another referee, and left connected for that one")
-            return ScriptOutcome(Exit.NOT_COMPLETED, text, zone)
-        return self._leave(Exit.NOT_COMPLETED, f"the run did not complete: {END_REASONS[zone.end_reason]}")
-
-    def _is_running(self) -> bool:
-        zone = self._zone()
-        return zone.phase == RUNNING and zone.identity == self._run
-
-    def _how_it_went(self) -> str:
-        """Return why our run is missing, or is in an unexpected phase."""
-        zone = self._zone()
-        if zone.identity == self._run:
-            return f"the run did not complete: it is {zone.phase} again"
-        if zone.phase == IDLE and self._follower.box.box.uuid != self._uuid:
-            return "the run did not complete: it was lost when the core was restarted"
-        return "the run did not complete: another referee disconnected it"
 
     # -- leaving ------------------------------------------------------------------------------------
 
     def _leave(self, status: Exit, text: str, wait_s: float = GIVE_UP_S) -> ScriptOutcome:
         """Disconnect our run, unless the plan keeps it. If the core is down, wait for it. A run whose robots do not
         stop stays connected: after the disconnect the box would not repeat STOP."""
-        zone = self._follower.box.zones.get(self._plan.zone)
-        if not self._run or zone is None or zone.identity != self._run:
+        zone = self._our_zone()
+        if zone is None:
             return ScriptOutcome(status, text)
         if self._plan.keep:
             return ScriptOutcome(status, f"{text}; left connected", zone)
         unsure = Exit.NO_CORE if status is Exit.OK else status
-        if self._claim is _Claim.UNSURE:
+        if not self._is_sure:
             return ScriptOutcome(
                 unsure, f"{text}; left connected: the core did not confirm the connect, so the run may be another "
                 "referee's", zone,
             )
         try:
-            moving = self._not_stopped()
-            if moving is not None:
-                lost = way_text(Way.LOST_ROBOT, moving.zone)
+            self._wait(NOT_DELIVERED_S, lambda: not self._moving())
+            if self._moving():
+                lost = way_text(Way.LOST_ROBOT, zone.zone)
                 return ScriptOutcome(
-                    unsure, f"{text}; left connected\n{lost}\n{', '.join(moving.not_stopped)}", moving)
-            kept = self._disconnect(wait_s)
+                    unsure, f"{text}; left connected\n{lost}\n{', '.join(self._moving())}", self._our_zone())
+            return ScriptOutcome(status, text + self._disconnect(wait_s), zone)
         except NoCore as gone:
             return ScriptOutcome(unsure, f"{text}; it could not be disconnected: {gone}", zone)
-        return ScriptOutcome(status, text + kept, zone)
+
+    def _moving(self) -> Tuple[str, ...]:
+        """Return the robots that do not report STOP after the end of our run."""
+        zone = self._our_zone()
+        return zone.not_stopped if zone is not None and leaving(zone) else ()
 
     def _disconnect(self, wait_s: float) -> str:
         """Return why the run stays connected; empty: it was left. Raises `NoCore`."""
         deadline = self._link.here_s() + wait_s
-        is_waiting = False
+        is_waiting, kept = False, ""
         while True:
             try:
                 self._link.act("disconnect", self._plan.zone, run=self._run)
             except Refused as refused:
-                with contextlib.suppress(NoCore):
-                    self._settle()
-                zone = self._follower.box.zones.get(self._plan.zone)
-                is_left = zone is None or zone.identity != self._run
-                return "" if is_left else f"; left connected: {refused}"
+                kept = f"; left connected: {refused}"
             except NoCore as gone:
                 if self._link.here_s() >= deadline:
                     raise
                 if not is_waiting:
                     self._note(f"waiting to disconnect: {gone}")
                 is_waiting = True
-                self._pause(STEP_S)
-            else:
-                with contextlib.suppress(NoCore):
-                    self._settle()
-                return ""
+                self._wait(STEP_S)
+                continue
+            with contextlib.suppress(NoCore):
+                self._settle()
+            return "" if self._our_zone() is None else kept
 
     def _stop_and_leave(self, text: str) -> ScriptOutcome:
         """Stop and leave our run, which is still running."""
@@ -487,18 +500,6 @@ class RunScript:
             return ScriptOutcome(Exit.NOT_COMPLETED, f"{text}; it could not be stopped: {error}{self._left_behind()}")
         return self._leave(Exit.NOT_COMPLETED, text)
 
-    def _not_stopped(self) -> Optional[ZoneSeen]:
-        """Return the zone if its robots do not report STOP in time after the end of our run. Raises `NoCore`."""
-        deadline = self._link.here_s() + NOT_DELIVERED_S
-        while True:
-            zone = self._follower.box.zones.get(self._plan.zone)
-            if zone is None or zone.identity != self._run or not leaving(zone):
-                return None
-            left = deadline - self._link.here_s()
-            if left <= 0:
-                return zone
-            self._step(left)
-
     def _is_stopped(self) -> bool:
         return self._keyboard is not None and self._keyboard.is_stopped
 
@@ -506,13 +507,15 @@ class RunScript:
         """Handle Ctrl-C: stop our run unless it is over, and leave it. A second Ctrl-C ends the script at once."""
         text = "interrupted"
         try:
-            if self._claim is not _Claim.NONE:
+            if self._own is not _Own.NONE:
                 self._note("interrupted: leaving the run")
                 with contextlib.suppress(NoCore):  # a core that publishes nothing may still obey
                     self._settle()
-                if self._claim is _Claim.ASKED and self._zone().phase != IDLE:
-                    self._claim, self._run = _Claim.UNSURE, self._zone().identity
-                if self._will_run():
+                if not self._run and self._zone().phase != IDLE:
+                    self._take()
+                # A STOP before the effect of a start would be refused, and the robot would start after that.
+                self._wait(ANSWER_S, lambda: self._own < _Own.STARTING or self._zone().phase != CONNECTED)
+                if self._shown() == (True, RUNNING):
                     self._link.stop_run(self._plan.zone, self._run)
                     self._settle()
                     text = "interrupted, the run was stopped"
@@ -522,16 +525,8 @@ class RunScript:
         except (Refused, NoCore, _Failed) as error:
             return ScriptOutcome(Exit.INTERRUPTED, f"interrupted, but {error}{self._left_behind()}")
 
-    def _will_run(self) -> bool:
-        """Whether our run is in progress. If a start may be on its way, wait for its effect: a STOP before it would be
-        refused, and the robot would start after that."""
-        deadline = self._link.here_s() + ANSWER_S
-        while self._may_start and self._zone().phase == CONNECTED and self._link.here_s() < deadline:
-            self._step(deadline - self._link.here_s())
-        return self._is_running()
-
     def _left_behind(self) -> str:
-        may_run = self._claim is not _Claim.NONE
+        may_run = self._own is not _Own.NONE
         return ": THE RUN MAY STILL BE RUNNING, check with 'referee status'" if may_run else ""
 
     # -- shared -------------------------------------------------------------------------------------
@@ -542,22 +537,24 @@ class RunScript:
             raise _Failed(Exit.NOT_COMPLETED, f"zone '{self._plan.zone}' is no longer in the schedule")
         return zone
 
+    def _our_zone(self) -> Optional[ZoneSeen]:
+        """Return the zone while it shows our run."""
+        zone = self._follower.box.zones.get(self._plan.zone)
+        return zone if zone is not None and self._run and zone.identity == self._run else None
+
     def _step(self, limit_s: float) -> None:
         for change in self._follower.step(limit_s):
             self._report(change)
         if self._link.silence_s > GIVE_UP_S:
             raise NoCore(f"the core has been silent for {GIVE_UP_S:.0f} s: check the launch on the box's computer")
 
-    def _pause(self, seconds: float) -> None:
-        until = self._link.here_s() + seconds
-        while self._link.here_s() < until:
-            self._step(until - self._link.here_s())
+    def _is_heard_after(self, moment_s: float) -> Callable[[], bool]:
+        return lambda: self._link.here_s() - self._link.silence_s > moment_s
 
-    def _until_heard(self, deadline: float) -> None:
-        """Wait until the core is heard again, but not beyond `deadline` (monotonic seconds)."""
-        began = self._link.here_s()
-        while self._link.here_s() - self._link.silence_s <= began and self._link.here_s() < deadline:
-            self._step(STEP_S)
+    def _wait(self, limit_s: float, is_over: Callable[[], bool] = lambda: False) -> None:
+        deadline = self._link.here_s() + limit_s
+        while not is_over() and self._link.here_s() < deadline:
+            self._step(min(deadline - self._link.here_s(), STEP_S))
 
     def _settle(self) -> None:
         """Wait for the effect of the last command, and report it."""

@@ -25,11 +25,11 @@ class Played(FakeLink):
         """Nothing is published any more; calls are answered."""
         self.silent = True
 
-    def another_connects_instead(self):
-        """Ours is disconnected, and another one connected and started, between two snapshots."""
+    def another_connects_instead(self, phase="running"):
+        """Ours is disconnected, and another one connected and perhaps started, between two snapshots."""
         self.change(**NO_RUN)
         self.connect()
-        self.change(phase="running")
+        self.change(phase=phase)
 
     def need_again(self):
         """The event is signed off."""
@@ -91,6 +91,8 @@ MOVING = {"phase": "ended", "not_stopped": ("mbot",)}
      "the run did not complete: another referee disconnected it", "connect start"),
     ([(5, "another_connects_instead"), (5, "end", "completed")], {}, {}, Exit.NOT_COMPLETED,
      "the run did not complete: another referee disconnected it", "connect start"),
+    ([(0, "block", "start", "Skew"), (5, "another_connects_instead", "connected"), (7, "block", "start")], {}, {},
+     Exit.NOT_COMPLETED, "the run did not complete: another referee disconnected it", "connect"),
     ([(0, "block", "start", "Skew"), (5, "change", NO_RUN)], {}, {}, Exit.NOT_COMPLETED,
      "the run did not complete: another referee disconnected it", "connect"),
     ([(5, "change", NO_RUN)], {}, {}, Exit.NOT_COMPLETED,
@@ -113,6 +115,12 @@ MOVING = {"phase": "ended", "not_stopped": ("mbot",)}
     # A core that goes away.
     ([(5, "restart")], {}, {}, Exit.NOT_COMPLETED, "the run did not complete: it was lost when the core was restarted",
      "connect start"),
+    ([(5, "restart", {"phase": "running", "identity": "run 9"})], {}, {}, Exit.NOT_COMPLETED,
+     "the run did not complete: another referee disconnected it", "connect start"),
+    ([(5, "change", {"phase": "connected"})], {}, {}, Exit.NOT_COMPLETED,
+     "the run did not complete: it is connected again", TO_THE_END),
+    ([(0, "block", "start", "Skew"), (5, "block", "connect", "No robot"), (5, "restart"), (7, "connect")], {}, {},
+     Exit.REFUSED, "another referee was quicker: zone 'Home A' is connected", "connect"),
     ([(0, "block", "connect", "No robot"), (2, "restart"), (3, "block", "connect"), (6, "change", NO_RUN)], {}, {},
      Exit.NOT_COMPLETED, "the run did not complete: another referee disconnected it", "connect start"),
     ([(0.1, "block", "connect", "No robot")], {"connect": [GONE]}, {"wait_s": 4.0}, Exit.REFUSED, "refused: No robot",
@@ -222,6 +230,12 @@ def test_scores_are_set_once_the_run_is_started(link, acts, answers, commands):
     assert link.scores == {"Detects the door": 1, "Moved furniture": 3}
     assert [kind for kind, _ in reported].count("score") == 2
     assert [item.value for item in outcome.zone.items] == [1, 3, 0]
+
+
+def test_scores_are_set_in_a_run_that_is_over_when_it_is_seen_for_the_first_time(link):
+    played(link, (0.5, "end", "completed"), answers={"start": [GONE]})
+    outcome, _ = _run(link, scores=(("door", "yes"),))
+    assert (outcome.status, link.scores) == (Exit.OK, {"Detects the door": 1})
 
 
 @pytest.mark.parametrize("score, status", [(("furniture", "1"), Exit.USAGE), (("door", "2"), Exit.REFUSED)])
