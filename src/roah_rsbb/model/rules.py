@@ -1,0 +1,199 @@
+"""The rules by which a run, a test and a competition are worth points, as data (docs/rules.md).
+
+A sheet is a tree of items. It is kept as a list in the order of the sheet, where each item names the one it hangs
+under, because lists are what records, journals and faces hold. Numbers are exact decimals, never floats.
+"""
+
+import enum
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Optional, Tuple
+
+from roah_rsbb.model.scoring import ItemChoice, JuryResult, Number
+
+
+class Amount(enum.Enum):
+    """What a mark of an item says."""
+
+    SECTION = "section"  # it is a heading: it has no marks
+    YES = "yes or no"
+    COUNT = "count"
+    NUMBER = "number"  # also with decimals, and below zero
+    PERCENT = "percent"  # how much of it; several marks are several times, each with its percentage
+    POINTS = "points"  # the points themselves
+    CHOICE = "choice"
+    CLOCK = "clock"  # nobody marks it: the time that was left, see `Item.seconds`
+    RATING = "rating"  # by judges
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Another item must have been given: `least` times, or with the choice `text`. Of an incident: a fact about it."""
+
+    item: str  # its id; or the name of the fact
+    least: Number = None  # None: at all
+    text: str = ""
+    since: int = 1  # from this count on; the counts before need nothing
+    each: bool = False  # each count needs one of the other item
+
+
+@dataclass(frozen=True)
+class Item:
+    """A node of a score sheet.
+
+    It is worth `points` (or a `percent` of what the items before it left) for each time that it counts, and what the
+    items under it are worth, together not less than `least` and not more than `most`.
+    """
+
+    id: str  # identifies it, whatever it is called
+    name: str
+    under: str = ""  # id of the item under which it hangs; empty: the sheet itself
+    amount: Amount = Amount.COUNT
+    points: Number = None
+    percent: Number = None  # of what the items before it left, instead of points
+    compounding: bool = False  # each time of a percentage applies to what the time before it left
+    times: Optional[int] = None  # counts at most so often
+    least: Number = None  # limits of the points of it and of all that hangs under it
+    most: Number = None
+    each: bool = False  # each time has limits and modifiers of its own
+    low: Number = None  # limits of a number or a rating that can be entered
+    high: Number = None
+    seconds: Decimal = Decimal(1)  # of `Amount.CLOCK`: so many full seconds are one time
+    choices: Tuple[ItemChoice, ...] = ()
+    judges: Tuple[str, ...] = ()
+    jury: JuryResult = JuryResult.MEAN
+    needs: Tuple[Condition, ...] = ()  # it counts only if all of these are given
+    unless: Tuple[Condition, ...] = ()  # it does not count if one of these is given
+    withholds: Tuple[str, ...] = ()  # ids of items that do not count if it is given
+    tags: Tuple[str, ...] = ()
+
+
+class Voids(enum.Enum):
+    """Which marks an incident makes void."""
+
+    NOTHING = "nothing"
+    EARLIER = "earlier"
+    EARLIER_POINTS = "earlier points"  # penalties stay
+    LATER = "later"
+    ALL = "all"
+    EARLIER_RUNS = "earlier runs"  # the attempts before this one
+
+
+@dataclass(frozen=True)
+class Incident:
+    """Something that may happen in a run, and what follows from it.
+
+    An incident that is not allowed (too often, too late, a fact that is missing) has no effect, and what it would mark
+    does not count, either.
+    """
+
+    name: str
+    times: Optional[int] = None  # allowed so often
+    below: Number = None  # allowed while the points so far are below this
+    net: bool = False  # penalties count in `below`
+    when: Tuple[Condition, ...] = ()  # it has an effect only with these facts
+    unless: Tuple[Condition, ...] = ()  # it has no effect with one of these facts
+    voids: Voids = Voids.NOTHING
+    marks: str = ""  # id of the item that it marks
+    scored_after: bool = False  # it marks the item only if points were scored afterwards
+    ends: str = ""  # the incident that ends it: until then earlier marks are void, or the clock stands still
+    pauses: bool = False  # the counted clock stands still until the incident `ends`
+    of: str = ""  # it also comes by itself, `after` seconds after this incident, unless the one that `ends` it comes
+    after: Number = None  # seconds
+    longer_by: str = ""  # the incident that extends this time, by its fact `seconds`
+    longer: Number = None  # seconds that one extension may have at most
+    requests: Optional[int] = None  # how many extensions are allowed
+
+
+class Attempts(enum.Enum):
+    """How several attempts become one number."""
+
+    BEST = "best"
+    LAST = "last"
+    FIRST = "first"
+    SUM = "sum"
+    MEAN = "mean"
+    MEDIAN = "median"
+
+
+@dataclass(frozen=True)
+class AttemptsRule:
+    """Which attempts count, and how they become one number: of all attempts, or of the best `of_best`."""
+
+    how: Attempts = Attempts.BEST
+    of_best: Optional[int] = None
+
+    def __str__(self) -> str:
+        return self.how.value if self.of_best is None else f"{self.how.value} of the best {self.of_best}"
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """The rules of a score sheet and of its runs."""
+
+    items: Tuple[Item, ...] = ()
+    incidents: Tuple[Incident, ...] = ()
+    limit_s: Number = None  # counted seconds; marks after it are late and do not count. None: no limit
+
+
+class Normalised(enum.Enum):
+    """How numbers of several tests become comparable."""
+
+    BEST = "best"  # divided by that of the best team
+    FINALIST = "best finalist"  # divided by that of the best of the teams of this stage
+    MAXIMUM = "maximum"  # divided by a fixed maximum
+    RANK = "rank"  # the place: 1 is best, and fewer is better
+    NO = "no"
+
+
+@dataclass(frozen=True)
+class Column:
+    """A test or an earlier stage in a stage."""
+
+    test: str = ""  # its code
+    stage: str = ""  # or the name of an earlier stage
+    weight: Decimal = Decimal(1)
+    attempts: Optional[AttemptsRule] = None  # None: that of the test
+    maximum: Number = None  # for `Normalised.MAXIMUM`
+    rounds: Tuple[int, ...] = ()  # only events of these rounds; empty: all
+    events: Tuple[str, ...] = ()  # only these events, by id; empty: all
+
+
+class Others(enum.Enum):
+    """Where teams are ranked that did not advance to a stage."""
+
+    BELOW = "below"  # all who advanced, in the order of the stage from which they did not
+    ZERO = "zero"  # among them, with 0 in what only those who advanced have run
+
+
+@dataclass(frozen=True)
+class Adjustment:
+    """Points that a team gets or loses outside any run, by name."""
+
+    name: str
+    points: Decimal
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A ranking of teams by several tests or earlier stages."""
+
+    name: str
+    of: Tuple[Column, ...]
+    teams: str = ""  # name of the stage from which teams advanced; empty: all teams
+    normalised: Normalised = Normalised.NO
+    adjustments: Tuple[Adjustment, ...] = ()
+    advance: Tuple[Tuple[int, int], ...] = ()  # from so many teams on, so many advance
+    others: Others = Others.BELOW
+    ties: Tuple[str, ...] = ()  # columns that decide where teams tie, the first one first
+    asks: bool = False  # where nothing decides who advances, a person does
+    least: Number = None
+
+
+@dataclass(frozen=True)
+class Decision:
+    """A choice that the rule book leaves to people."""
+
+    name: str
+    readings: Tuple[str, ...]  # the first one is the default
+    chosen: str

@@ -1,0 +1,518 @@
+"""What a score sheet is worth: its marks and incidents, counted by its rules (docs/rules.md).
+
+Theory of operation. `count` goes through what happened in the order in which it happened. Incidents make marks void;
+what is left gives each item an amount. Then the tree is added up from its leaves: an item has its own points, each
+item under it adds to them or takes a percentage of what is left, and limits apply at the end. All numbers are exact
+fractions. Every step that a reader could doubt is said in words.
+"""
+
+from dataclasses import replace
+from decimal import Decimal
+from fractions import Fraction
+from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+
+from roah_rsbb.model.reason import say
+from roah_rsbb.model.rules import Amount, Condition, Incident, Item, Sheet, Voids
+from roah_rsbb.wording.times import elapsed
+
+ZERO, ONE = Fraction(0), Fraction(1)
+
+LATE = say("{item} at {time}: after the limit of {limit}, so it does not count")
+VOID = say("{item}{time}: void because of: {incident}")
+REFUSED = say("{item}{time}: must not count: {why}")
+TOO_OFTEN = say("{incident}{time}: the {number}. time, {times} allowed: it has no effect")
+TOO_LATE = say("{incident}{time}: {points} points, allowed below {below}: it has no effect")
+NO_EFFECT = say("{incident}{time}: it has no effect ({why})")
+LACKING = say("no {fact}")
+BY_ITSELF = say("{incident} at {time}, by itself")
+SUM = say("{item}: {sum} = {points}")
+AT_LEAST = say("{item}: {sum}, at least {limit}: {points}")
+AT_MOST = say("{item}: {sum}, at most {limit}: {points}")
+CAPPED = say("{item}: {number} times, counts at most {times} times")
+LACKS = say("{item}: does not count without {needs}")
+BARRED = say("{item}: does not count with {other}")
+MORE_THAN = say("{item}: {number} times, but {other} only {times} times")
+
+
+class Mark(NamedTuple):
+    """An entry of a sheet. What was withdrawn is not among the marks."""
+
+    item: str  # id
+    number: Fraction = ONE  # how often, or the number itself; of points and choices see `Item`
+    share: Fraction = ONE  # of each time, for `Amount.PERCENT`
+    text: str = ""  # of a choice
+    sets: bool = False  # it replaces the marks before instead of adding to them
+    at_s: Optional[Fraction] = None  # seconds since the start; None: not known, after everything
+    in_time: bool = False  # the referee said so: it is not late
+    refused: str = ""  # why it must not count
+    name: str = ""  # what a row that was made at the event is called
+
+
+class Happened(NamedTuple):
+    """An incident that happened."""
+
+    incident: str
+    at_s: Optional[Fraction] = None
+    facts: Mapping[str, object] = {}
+
+
+class Course(NamedTuple):
+    """What happened in a run, as far as points depend on it."""
+
+    marks: Tuple[Mark, ...] = ()
+    incidents: Tuple[Happened, ...] = ()
+    clock_counts: bool = False  # times are of the counted clock, which pauses have stopped already
+    ended: bool = False
+    completed: bool = False  # the robot completed the run
+    elapsed_s: Fraction = ZERO  # counted seconds until the end
+
+
+class Counted(NamedTuple):
+    """What a sheet is worth."""
+
+    total: Fraction
+    points: Mapping[str, Fraction]  # of each item with all that hangs under it, by id
+    amounts: Mapping[str, Fraction]  # how often each item counts, by id, before conditions
+    steps: Tuple[str, ...]
+    void: Mapping[int, str]  # marks that do not count, by their place in the course, and why
+    replaces: bool  # the attempts before this one do not count
+
+
+def count(sheet: Sheet, course: Course) -> Counted:
+    """Return what a sheet is worth. Marks of unknown items raise KeyError: their sender was asked before."""
+    run = _Run(sheet, course)
+    steps, void = run.go_through()
+    tree = _Tree(sheet, run.left(void), run.decided, course)
+    total = tree.total()
+    return Counted(total, tree.points, tree.amounts(), (*steps, *tree.steps), void, run.replaces)
+
+
+# -- what happened ----------------------------------------------------------------------------------
+
+
+class _Run:
+    """The course of a run: which incidents have an effect, and which marks they make void."""
+
+    def __init__(self, sheet: Sheet, course: Course) -> None:
+        self.sheet = sheet
+        self.course = course
+        self.rules = {incident.name: incident for incident in sheet.incidents}
+        self.names = {item.id: item.name for item in sheet.items}
+        self.decided: Dict[str, Tuple[int, str]] = {}  # item that incidents mark -> how often, and with which choice
+        self.replaces = False
+        self._marks = [mark._replace(at_s=self._counted(mark.at_s)) for mark in course.marks]
+        self._held: Dict[str, int] = {}  # incident -> how often it had an effect
+        self._void: Dict[int, str] = {}
+        self._steps: List[str] = []
+
+    def go_through(self) -> Tuple[List[str], Dict[int, str]]:
+        """Return what was decided, in words, and the marks that do not count."""
+        self._drop_late()
+        for happened in sorted([*self.course.incidents, *self._by_themselves()], key=_when):
+            rule = self.rules.get(happened.incident)
+            if rule is not None:
+                self._take(rule, happened)
+        return self._steps, self._void
+
+    def left(self, void: Iterable[int]) -> List[Mark]:
+        """Return the marks that are not void, in the order in which they were made."""
+        gone = set(void)
+        return sorted((mark for index, mark in enumerate(self._marks) if index not in gone), key=_when)
+
+    def _drop_late(self) -> None:
+        limit = None if self.sheet.limit_s is None else Fraction(self.sheet.limit_s)
+        for index, mark in enumerate(self._marks):
+            if mark.refused:
+                self._drop(index, REFUSED(item=self._name(mark), time=_at(mark.at_s), why=mark.refused))
+            elif limit is not None and mark.at_s is not None and mark.at_s > limit and not mark.in_time:
+                self._drop(index, LATE(item=self._name(mark), time=_clock(mark.at_s), limit=_clock(limit)))
+
+    def _drop(self, index: int, why: str) -> None:
+        if index not in self._void:
+            self._void[index] = why
+            self._steps.append(why)
+
+    def _name(self, mark: Mark) -> str:
+        return mark.name or self.names[mark.item]
+
+    def _counted(self, wall_s: Optional[Fraction]) -> Optional[Fraction]:
+        """Return the counted time of a wall time: without the pauses before it."""
+        if wall_s is None or self.course.clock_counts:
+            return wall_s
+        paused = ZERO
+        for start in self.course.incidents:
+            rule = self.rules.get(start.incident)
+            if rule is not None and rule.pauses and start.at_s is not None and start.at_s < wall_s:
+                paused += min(wall_s, self._end_of(rule, start) or wall_s) - start.at_s
+        return wall_s - paused
+
+    def _end_of(self, rule: Incident, start: Happened) -> Optional[Fraction]:
+        """Return when an incident was ended; None: it was not."""
+        return min((each.at_s for each in self.course.incidents if each.incident == rule.ends and rule.ends
+                    and each.at_s is not None and start.at_s is not None and each.at_s >= start.at_s), default=None)
+
+    def _by_themselves(self) -> List[Happened]:
+        """Return the incidents that follow from others because a time was over."""
+        found = []
+        for rule in self.sheet.incidents:
+            for start in self.course.incidents if rule.of else ():
+                if start.incident != rule.of or start.at_s is None or rule.after is None:
+                    continue
+                due = start.at_s + Fraction(rule.after)
+                for longer in self._extensions(rule):
+                    if longer.at_s is not None and longer.at_s <= due:
+                        due = max(due, longer.at_s + self._seconds(rule, longer))
+                end = self._end_of(rule, start)
+                if end is None or end > due:
+                    found.append(Happened(rule.name, due))
+        return found
+
+    def _extensions(self, rule: Incident) -> List[Happened]:
+        asked = [each for each in self.course.incidents if each.incident == rule.longer_by and rule.longer_by]
+        return sorted(asked, key=_when)[:rule.requests]
+
+    def _seconds(self, rule: Incident, longer: Happened) -> Fraction:
+        asked = Fraction(str(longer.facts.get("seconds") or 0))
+        return asked if rule.longer is None else min(asked, Fraction(rule.longer))
+
+    # -- one incident -------------------------------------------------------------------------------
+
+    def _take(self, rule: Incident, happened: Happened) -> None:
+        """Apply what follows from an incident, or say why nothing does."""
+        counted_s = self._counted(happened.at_s)
+        if rule.of and happened not in self.course.incidents:
+            self._steps.append(BY_ITSELF(incident=rule.name, time=_clock(counted_s or ZERO)))
+        if rule.marks:
+            self.decided.setdefault(rule.marks, (0, ""))
+        why = self._why_not(rule, happened, counted_s)
+        if why:
+            self._steps.append(why)
+            return
+        self._held[rule.name] = self._held.get(rule.name, 0) + 1
+        until = self._counted(self._end_of(rule, happened)) if rule.ends else None
+        for index, mark in enumerate(self._marks):
+            if self._is_hit(rule, mark, counted_s, until):
+                self._drop(index, VOID(item=self._name(mark), time=_at(mark.at_s), incident=rule.name))
+        if rule.marks and (not rule.scored_after or self._scored_after(counted_s)):
+            words = {str(fact) for fact in happened.facts.values()}
+            item = next(item for item in self.sheet.items if item.id == rule.marks)
+            chosen = next((choice.name for choice in item.choices if choice.name in words), "")
+            self.decided[rule.marks] = self.decided[rule.marks][0] + 1, chosen
+        self.replaces = self.replaces or rule.voids is Voids.EARLIER_RUNS
+
+    def _why_not(self, rule: Incident, happened: Happened, at_s: Optional[Fraction]) -> str:
+        """Return why an incident has no effect; empty: it has."""
+        held = self._held.get(rule.name, 0)
+        if rule.times is not None and held >= rule.times:
+            return TOO_OFTEN(incident=rule.name, time=_at(at_s), number=held + 1, times=rule.times)
+        lacking = [LACKING(fact=fact.item) for fact in rule.when if not _holds(fact, happened.facts)]
+        for why in (*lacking, *(fact.item for fact in rule.unless if _holds(fact, happened.facts))):
+            return NO_EFFECT(incident=rule.name, time=_at(at_s), why=why)
+        if rule.below is not None:
+            points = self._so_far(at_s, rule.net)
+            if points >= Fraction(rule.below):
+                return TOO_LATE(incident=rule.name, time=_at(at_s), points=number_text(points),
+                                below=number_text(Fraction(rule.below)))
+        return ""
+
+    def _so_far(self, at_s: Optional[Fraction], net: bool) -> Fraction:
+        """Return the points until a time: without penalties, unless they count."""
+        marks = [mark for index, mark in enumerate(self._marks) if index not in self._void
+                 and (at_s is None or (mark.at_s is not None and mark.at_s <= at_s))]
+        sheet = self.sheet if net else replace(self.sheet, items=tuple(map(_without_penalty, self.sheet.items)))
+        return _Tree(sheet, marks, {}, self.course).total()
+
+    def _is_hit(self, rule: Incident, mark: Mark, at_s: Optional[Fraction], until: Optional[Fraction]) -> bool:
+        """Whether an incident makes a mark void."""
+        if rule.voids is Voids.ALL:
+            return True
+        if at_s is None or mark.at_s is None:
+            return False
+        if rule.voids is Voids.LATER:
+            return mark.at_s > at_s
+        if rule.voids is Voids.EARLIER_POINTS and _is_penalty(self._item(mark.item)):
+            return False
+        return rule.voids in (Voids.EARLIER, Voids.EARLIER_POINTS) and mark.at_s <= max(at_s, until or at_s)
+
+    def _item(self, item: str) -> Item:
+        return next(each for each in self.sheet.items if each.id == item)
+
+    def _scored_after(self, at_s: Optional[Fraction]) -> bool:
+        """Whether points were scored after a time."""
+        return at_s is not None and any(
+            mark.at_s is not None and mark.at_s > at_s and index not in self._void
+            and not _is_penalty(self._item(mark.item)) for index, mark in enumerate(self._marks))
+
+
+def _when(each: object) -> Tuple[bool, Fraction]:
+    """Order by time; what has none comes last."""
+    at_s = each.at_s  # type: ignore[attr-defined]
+    return at_s is None, at_s or ZERO
+
+
+def _at(at_s: Optional[Fraction]) -> str:
+    return "" if at_s is None else f" ({_clock(at_s)})"
+
+
+def _clock(seconds: Fraction) -> str:
+    return elapsed(float(seconds))
+
+
+def _holds(fact: Condition, facts: Mapping[str, object]) -> bool:
+    """Whether a fact about an incident is as a condition asks."""
+    value = facts.get(fact.item)
+    if fact.text:
+        return value == fact.text
+    if value is None or fact.least is None:
+        return bool(value)
+    return not isinstance(value, str) and Fraction(str(value)) >= Fraction(fact.least)
+
+
+def _is_penalty(item: Item) -> bool:
+    return (item.points or ZERO) < 0 or (item.percent or ZERO) < 0
+
+
+def _without_penalty(item: Item) -> Item:
+    """Return an item as it counts gross: without what takes points, and without a lower limit."""
+    if not _is_penalty(item):
+        return item
+    return replace(item, points=Decimal(0), percent=None)
+
+
+# -- the tree ---------------------------------------------------------------------------------------
+
+
+class _Times(NamedTuple):
+    """Marks of an item, as one time after the other: how much of a time each is worth, and how often."""
+
+    shares: Tuple[Tuple[Fraction, Fraction], ...] = ()  # number, share
+
+    def total(self) -> Fraction:
+        return sum((number * share for number, share in self.shares), ZERO)
+
+    def numbers(self) -> Fraction:
+        return sum((number for number, _ in self.shares), ZERO)
+
+    def at_most(self, times: Fraction) -> "_Times":
+        """Return the first ones of these times."""
+        left, kept = times, []
+        for number, share in self.shares:
+            number = min(number, left)
+            left -= number
+            kept.append((number, share))
+        return _Times(tuple(each for each in kept if each[0]))
+
+    def singly(self) -> List[Fraction]:
+        """Return the share of each time."""
+        return [share for number, share in self.shares for _ in range(int(number))]
+
+
+class _Tree:
+    """The items with their amounts, added up."""
+
+    def __init__(
+        self, sheet: Sheet, marks: Sequence[Mark], decided: Mapping[str, Tuple[int, str]], course: Course
+    ) -> None:
+        self._sheet = sheet
+        self._course = course
+        self._items = {item.id: item for item in sheet.items}
+        self._under: Dict[str, List[Item]] = {}
+        for item in sheet.items:
+            self._under.setdefault(item.under, []).append(item)
+        self._times: Dict[str, _Times] = {}
+        self._texts: Dict[str, str] = {}
+        for mark in marks:
+            self._enter(mark)
+        for item_id, (number, text) in decided.items():
+            self._times[item_id] = _Times(((Fraction(number), ONE),) if number else ())
+            self._texts[item_id] = text
+        self._order = [mark.item for mark in marks for _ in range(max(1, int(mark.number)))]
+        self._withheld = {item_id: item for item in sheet.items for item_id in item.withholds}
+        self.points: Dict[str, Fraction] = {}
+        self.steps: List[str] = []
+
+    def amounts(self) -> Dict[str, Fraction]:
+        """Return how often each item was given."""
+        return {item: times.total() for item, times in self._times.items()}
+
+    def total(self) -> Fraction:
+        """Return the points of the sheet."""
+        return sum((self._points(item) for item in self._under.get("", ())), ZERO)
+
+    def _enter(self, mark: Mark) -> None:
+        item, before = self._items[mark.item], self._times.get(mark.item, _Times())
+        self._texts[item.id] = mark.text
+        new = ((mark.number, mark.share),)
+        if mark.sets or item.amount in (Amount.YES, Amount.CHOICE):
+            self._times[item.id] = _Times(new)
+        elif item.amount is Amount.PERCENT:
+            self._times[item.id] = _Times((*before.shares, *new))
+        else:
+            self._times[item.id] = _Times(((before.total() + mark.number * mark.share, ONE),))
+
+    # -- conditions ---------------------------------------------------------------------------------
+
+    def _is_given(self, item: Item) -> bool:
+        """Whether an item, or one under it, was given and counts. The reader of the rules refuses circles."""
+        if item.amount is not Amount.SECTION:
+            if item.amount is Amount.CHOICE:
+                chosen = next((c for c in item.choices if c.name == self._texts.get(item.id)), None)
+                has_points = any(choice.points is not None for choice in item.choices)
+                return chosen is not None and (not has_points or bool(chosen.points)) and not self._barred(item)
+            return self._counting(item).total() != 0
+        return any(map(self._is_given, self._under.get(item.id, ())))
+
+    def _met(self, condition: Condition) -> bool:
+        item = self._items[condition.item]
+        if condition.text:
+            return self._texts.get(item.id) == condition.text and not self._barred(item)
+        if condition.least is None:
+            return self._is_given(item)
+        return self._counting(item).total() >= Fraction(condition.least)
+
+    def _barred(self, item: Item) -> str:
+        """Return why an item does not count at all; empty: it counts."""
+        by = self._withheld.get(item.id)
+        if by is not None and self._is_given(by):
+            return BARRED(item=item.name, other=by.name)
+        for condition in item.needs:
+            if condition.since <= 1 and not condition.each and not self._met(condition):
+                return LACKS(item=item.name, needs=self._named(condition))
+        for condition in item.unless:
+            if self._met(condition):
+                return BARRED(item=item.name, other=self._named(condition))
+        return ""
+
+    def _named(self, condition: Condition) -> str:
+        name = self._items[condition.item].name
+        if condition.text:
+            return f"{name}: {condition.text}"
+        return name if condition.least is None else f"{name} ≥ {number_text(Fraction(condition.least))}"
+
+    def _counting(self, item: Item) -> _Times:
+        """Return the times of an item that count."""
+        times = self._times.get(item.id, _Times())
+        if not times.shares or self._barred(item):
+            return _Times()
+        if item.times is not None:
+            times = times.at_most(Fraction(item.times))
+        for condition in item.needs:
+            if condition.each:
+                times = times.at_most(self._counting(self._items[condition.item]).numbers())
+            elif condition.since > 1 and not self._met(condition):
+                times = times.at_most(Fraction(condition.since - 1))
+        return times
+
+    # -- points -------------------------------------------------------------------------------------
+
+    def _points(self, item: Item) -> Fraction:
+        """Return the points of an item with all that hangs under it."""
+        times = self._counting(item)
+        self._say_what_is_missing(item, times)
+        if item.each:
+            points = self._of_each(item, times)
+        else:
+            own = ZERO if item.percent is not None else self._own(item, times)
+            terms = [] if item.amount is Amount.SECTION else [own]
+            barred = bool(self._barred(item))
+            for child in () if barred else self._under.get(item.id, ()):
+                terms.append(self._percentage(child, self._counting(child), sum(terms, ZERO))
+                             if child.percent is not None else self._points(child))
+                self.points[child.id] = terms[-1]
+            points = self._limited(item, terms)
+        self.points[item.id] = points
+        return points
+
+    def _own(self, item: Item, times: _Times) -> Fraction:
+        if item.amount is Amount.CHOICE:
+            chosen = next((c.points for c in item.choices if c.name == self._texts.get(item.id)), None)
+            return ZERO if chosen is None or self._barred(item) else Fraction(chosen)
+        if item.amount is Amount.CLOCK:
+            return self._clock_points(item)
+        return Fraction(item.points or 0) * times.total()
+
+    def _clock_points(self, item: Item) -> Fraction:
+        """Return the points for the time left: if what it needs is given, or else if the robot completed the run."""
+        course, limit = self._course, self._sheet.limit_s
+        if not course.ended or limit is None or self._barred(item) or not (item.needs or course.completed):
+            return ZERO
+        full = max(ZERO, Fraction(limit) - course.elapsed_s) // Fraction(item.seconds)
+        return Fraction(item.points or 0) * full
+
+    def _percentage(self, item: Item, times: _Times, base: Fraction) -> Fraction:
+        """Return what a percentage adds to what the items before it left."""
+        rate = Fraction(item.percent or 0) / 100
+        if item.compounding:
+            left = base
+            for number, share in times.shares:
+                left *= (1 + rate * share) ** int(number)
+            return left - base
+        return base * rate * times.total()
+
+    def _of_each(self, item: Item, times: _Times) -> Fraction:
+        """Return the points of an item whose times are counted one by one, each with its modifiers."""
+        singles = times.singly()
+        modifiers = self._by_time(item, len(singles))
+        points = ZERO
+        for share, own in zip(singles, modifiers):
+            terms = [Fraction(item.points or 0) * share]
+            for child in self._under.get(item.id, ()):
+                worth = _Times(tuple((ONE, each) for each in own.get(child.id, ())))
+                if worth.shares:
+                    terms.append(self._percentage(child, worth, sum(terms, ZERO)) if child.percent is not None
+                                 else Fraction(child.points or 0) * worth.total())
+            points += self._limited(item, terms)
+        return points
+
+    def _by_time(self, item: Item, count: int) -> List[Dict[str, List[Fraction]]]:
+        """Return the modifiers of each time of an item: a modifier belongs to the last time before it that has none of
+        its kind yet. If all have one, it belongs to the last time."""
+        found: List[Dict[str, List[Fraction]]] = [{} for _ in range(count)]
+        left = {child.id: self._counting(child).singly() for child in self._under.get(item.id, ())}
+        seen = 0
+        for item_id in self._order:
+            if item_id == item.id:
+                seen = min(seen + 1, count)
+            elif left.get(item_id) and count:
+                free = [own for own in found[:seen] or found[:1] if item_id not in own]
+                (free or found[:seen] or found[:1])[-1].setdefault(item_id, []).append(left[item_id].pop(0))
+        return found
+
+    def _limited(self, item: Item, terms: Sequence[Fraction]) -> Fraction:
+        """Return a sum within the limits of an item, and say it."""
+        total = sum(terms, ZERO)
+        points, said, limit = total, SUM, None
+        if item.most is not None and points > Fraction(item.most):
+            points, said, limit = Fraction(item.most), AT_MOST, item.most
+        if item.least is not None and points < Fraction(item.least):
+            points, said, limit = Fraction(item.least), AT_LEAST, item.least
+        shown = [term for term in terms if term]
+        if len(shown) > 1 or limit is not None:
+            self.steps.append(said(item=item.name, sum=_sum_text(shown), points=number_text(points),
+                                   **({} if limit is None else {"limit": number_text(Fraction(limit))})))
+        return points
+
+    def _say_what_is_missing(self, item: Item, times: _Times) -> None:
+        """Say why marks of an item do not count, or count less often."""
+        given = self._times.get(item.id, _Times())
+        if not given.total():
+            return
+        barred = self._barred(item)
+        if barred:
+            self.steps.append(barred)
+        elif times.numbers() < given.numbers():
+            self.steps.append(CAPPED(item=item.name, number=number_text(given.numbers()),
+                                     times=number_text(times.numbers())))
+
+
+def _sum_text(terms: Sequence[Fraction]) -> str:
+    """Return a sum as one writes it: 80 − 90 − 20."""
+    text = number_text(terms[0]) if terms else "0"
+    return text + "".join(f" {'−' if term < 0 else '+'} {number_text(abs(term))}" for term in terms[1:])
+
+
+def number_text(number: Fraction) -> str:
+    """Return a number for people: exact if it has at most three decimals, else rounded to them."""
+    rounded = round(number * 1000)
+    text = f"{abs(rounded) // 1000}.{abs(rounded) % 1000:03}".rstrip("0").rstrip(".")
+    return f"−{text}" if rounded < 0 else text
