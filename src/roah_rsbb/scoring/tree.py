@@ -28,10 +28,10 @@ BY_ITSELF = say("{incident} at {time}, by itself")
 SUM = say("{item}: {sum} = {points}")
 AT_LEAST = say("{item}: {sum}, at least {limit}: {points}")
 AT_MOST = say("{item}: {sum}, at most {limit}: {points}")
-CAPPED = say("{item}: {number} times, counts at most {times} times")
+CAPPED = say("{item}: {number} ×, only {times} × count")
 LACKS = say("{item}: does not count without {needs}")
 BARRED = say("{item}: does not count with {other}")
-MORE_THAN = say("{item}: {number} times, but {other} only {times} times")
+MORE_THAN = say("{item}: {number} ×, but {other} only {times} ×")
 
 
 class Mark(NamedTuple):
@@ -72,6 +72,7 @@ class Counted(NamedTuple):
 
     total: Fraction
     points: Mapping[str, Fraction]  # of each item with all that hangs under it, by id
+    own: Mapping[str, Fraction]  # of each item alone, before limits, by id
     amounts: Mapping[str, Fraction]  # how often each item counts, by id, before conditions
     steps: Tuple[str, ...]
     void: Mapping[int, str]  # marks that do not count, by their place in the course, and why
@@ -84,7 +85,12 @@ def count(sheet: Sheet, course: Course) -> Counted:
     steps, void = run.go_through()
     tree = _Tree(sheet, run.left(void), run.decided, course)
     total = tree.total()
-    return Counted(total, tree.points, tree.amounts(), (*steps, *tree.steps), void, run.replaces)
+    return Counted(total, tree.points, tree.own, tree.amounts(), (*steps, *tree.steps), void, run.replaces)
+
+
+def void_marks(sheet: Sheet, course: Course) -> Mapping[int, str]:
+    """Return the marks that do not count, by their place in the course, and why."""
+    return _Run(sheet, course).go_through()[1]
 
 
 # -- what happened ----------------------------------------------------------------------------------
@@ -102,6 +108,8 @@ class _Run:
         self.replaces = False
         self._marks = [mark._replace(at_s=self._counted(mark.at_s)) for mark in course.marks]
         self._held: Dict[str, int] = {}  # incident -> how often it had an effect
+        # Facts about incidents that are on the sheet.
+        self._facts: Dict[str, object] = {mark.item: mark.text or mark.number for mark in course.marks}
         self._void: Dict[int, str] = {}
         self._steps: List[str] = []
 
@@ -205,8 +213,10 @@ class _Run:
         held = self._held.get(rule.name, 0)
         if rule.times is not None and held >= rule.times:
             return TOO_OFTEN(incident=rule.name, time=_at(at_s), number=held + 1, times=rule.times)
-        lacking = [LACKING(fact=fact.item) for fact in rule.when if not _holds(fact, happened.facts)]
-        for why in (*lacking, *(fact.item for fact in rule.unless if _holds(fact, happened.facts))):
+        facts = {**self._facts, **happened.facts}
+        lacking = [LACKING(fact=self.names.get(fact.item, fact.item)) for fact in rule.when if not _holds(fact, facts)]
+        barring = [self.names.get(fact.item, fact.item) for fact in rule.unless if _holds(fact, facts)]
+        for why in (*lacking, *barring):
             return NO_EFFECT(incident=rule.name, time=_at(at_s), why=why)
         if rule.below is not None:
             points = self._so_far(at_s, rule.net)
@@ -329,6 +339,7 @@ class _Tree:
         self._order = [mark.item for mark in marks for _ in range(max(1, int(mark.number)))]
         self._withheld = {item_id: item for item in sheet.items for item_id in item.withholds}
         self.points: Dict[str, Fraction] = {}
+        self.own: Dict[str, Fraction] = {}
         self.steps: List[str] = []
 
     def amounts(self) -> Dict[str, Fraction]:
@@ -409,16 +420,14 @@ class _Tree:
         """Return the points of an item with all that hangs under it."""
         times = self._counting(item)
         self._say_what_is_missing(item, times)
+        self._say_what_is_too_often(item, times)
         if item.each:
             points = self._of_each(item, times)
         else:
-            own = ZERO if item.percent is not None else self._own(item, times)
-            terms = [] if item.amount is Amount.SECTION else [own]
-            barred = bool(self._barred(item))
-            for child in () if barred else self._under.get(item.id, ()):
-                terms.append(self._percentage(child, self._counting(child), sum(terms, ZERO))
-                             if child.percent is not None else self._points(child))
-                self.points[child.id] = terms[-1]
+            terms = [] if item.amount is Amount.SECTION else [self._own(item, times)]
+            self.own[item.id] = sum(terms, ZERO)
+            for child in () if self._barred(item) else self._under.get(item.id, ()):
+                terms.append(self._points(child) if child.percent is None else self._share_of(child, sum(terms, ZERO)))
             points = self._limited(item, terms)
         self.points[item.id] = points
         return points
@@ -439,6 +448,13 @@ class _Tree:
         full = max(ZERO, Fraction(limit) - course.elapsed_s) // Fraction(item.seconds)
         return Fraction(item.points or 0) * full
 
+    def _share_of(self, item: Item, base: Fraction) -> Fraction:
+        """Return the points of an item that is a percentage of what the items before it left."""
+        times = self._counting(item)
+        self._say_what_is_missing(item, times)
+        self.points[item.id] = self.own[item.id] = self._percentage(item, times, base)
+        return self.points[item.id]
+
     def _percentage(self, item: Item, times: _Times, base: Fraction) -> Fraction:
         """Return what a percentage adds to what the items before it left."""
         rate = Fraction(item.percent or 0) / 100
@@ -454,15 +470,20 @@ class _Tree:
         singles = times.singly()
         modifiers = self._by_time(item, len(singles))
         points = ZERO
-        for share, own in zip(singles, modifiers):
+        for share, modifying in zip(singles, modifiers):
             terms = [Fraction(item.points or 0) * share]
+            self._add_own(item, terms[0])
             for child in self._under.get(item.id, ()):
-                worth = _Times(tuple((ONE, each) for each in own.get(child.id, ())))
+                worth = _Times(tuple((ONE, each) for each in modifying.get(child.id, ())))
                 if worth.shares:
-                    terms.append(self._percentage(child, worth, sum(terms, ZERO)) if child.percent is not None
-                                 else Fraction(child.points or 0) * worth.total())
+                    terms.append(Fraction(child.points or 0) * worth.total() if child.percent is None
+                                 else self._percentage(child, worth, sum(terms, ZERO)))
+                    self._add_own(child, terms[-1])
             points += self._limited(item, terms)
         return points
+
+    def _add_own(self, item: Item, points: Fraction) -> None:
+        self.own[item.id] = self.points[item.id] = self.own.get(item.id, ZERO) + points
 
     def _by_time(self, item: Item, count: int) -> List[Dict[str, List[Fraction]]]:
         """Return the modifiers of each time of an item: a modifier belongs to the last time before it that has none of
@@ -503,6 +524,14 @@ class _Tree:
         elif times.numbers() < given.numbers():
             self.steps.append(CAPPED(item=item.name, number=number_text(given.numbers()),
                                      times=number_text(times.numbers())))
+
+    def _say_what_is_too_often(self, item: Item, times: _Times) -> None:
+        """Say where something that changes an item was marked more often than the item."""
+        for child in self._under.get(item.id, ()) if item.amount in (Amount.COUNT, Amount.YES) else ():
+            changes = self._counting(child).numbers()
+            if child.amount in (Amount.COUNT, Amount.YES) and (child.points or 0) > 0 and changes > times.numbers():
+                self.steps.append(MORE_THAN(item=child.name, number=number_text(changes), other=item.name,
+                                            times=number_text(times.numbers())))
 
 
 def _sum_text(terms: Sequence[Fraction]) -> str:
