@@ -12,7 +12,7 @@ from typing import Optional, Tuple
 from roah_rsbb.model.scoring import ItemChoice, JuryResult, Number
 
 
-class Amount(enum.Enum):
+class Measure(enum.Enum):
     """What a mark of an item says."""
 
     SECTION = "section"  # it is a heading: it has no marks
@@ -48,7 +48,7 @@ class Item:
     id: str  # identifies it, whatever it is called
     name: str
     under: str = ""  # id of the item under which it hangs; empty: the sheet itself
-    amount: Amount = Amount.COUNT
+    amount: Measure = Measure.COUNT
     points: Number = None
     percent: Number = None  # of what the items before it left, instead of points
     compounding: bool = False  # each time of a percentage applies to what the time before it left
@@ -58,7 +58,7 @@ class Item:
     each: bool = False  # each time has limits and modifiers of its own
     low: Number = None  # limits of a number or a rating that can be entered
     high: Number = None
-    seconds: Decimal = Decimal(1)  # of `Amount.CLOCK`: so many full seconds are one time
+    seconds: Decimal = Decimal(1)  # of `Measure.CLOCK`: so many full seconds are one time
     choices: Tuple[ItemChoice, ...] = ()
     judges: Tuple[str, ...] = ()
     jury: JuryResult = JuryResult.MEAN
@@ -136,7 +136,7 @@ class Sheet:
     limit_s: Number = None  # counted seconds; marks after it are late and do not count. None: no limit
 
 
-class Normalised(enum.Enum):
+class Scale(enum.Enum):
     """How numbers of several tests become comparable."""
 
     BEST = "best"  # divided by that of the best team
@@ -147,14 +147,14 @@ class Normalised(enum.Enum):
 
 
 @dataclass(frozen=True)
-class Column:
+class StageColumn:
     """A test or an earlier stage in a stage."""
 
     test: str = ""  # its code
     stage: str = ""  # or the name of an earlier stage
     weight: Decimal = Decimal(1)
     attempts: Optional[AttemptsRule] = None  # None: that of the test
-    maximum: Number = None  # for `Normalised.MAXIMUM`
+    maximum: Number = None  # for `Scale.MAXIMUM`
     rounds: Tuple[int, ...] = ()  # only events of these rounds; empty: all
     events: Tuple[str, ...] = ()  # only these events, by id; empty: all
 
@@ -179,9 +179,9 @@ class Stage:
     """A ranking of teams by several tests or earlier stages."""
 
     name: str
-    of: Tuple[Column, ...]
+    of: Tuple[StageColumn, ...]
     teams: str = ""  # name of the stage from which teams advanced; empty: all teams
-    normalised: Normalised = Normalised.NO
+    normalised: Scale = Scale.NO
     adjustments: Tuple[Adjustment, ...] = ()
     advance: Tuple[Tuple[int, int], ...] = ()  # from so many teams on, so many advance
     others: Others = Others.BELOW

@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.model.reason import say
-from roah_rsbb.model.rules import Amount, Condition, Incident, Item, Sheet, Voids
+from roah_rsbb.model.rules import Condition, Incident, Item, Measure, Sheet, Voids
 from roah_rsbb.wording.times import elapsed
 
 ZERO, ONE = Fraction(0), Fraction(1)
@@ -34,12 +34,12 @@ BARRED = say("{item}: does not count with {other}")
 MORE_THAN = say("{item}: {number} ×, but {other} only {times} ×")
 
 
-class Mark(NamedTuple):
+class SheetMark(NamedTuple):
     """An entry of a sheet. What was withdrawn is not among the marks."""
 
     item: str  # id
     number: Fraction = ONE  # how often, or the number itself; of points and choices see `Item`
-    share: Fraction = ONE  # of each time, for `Amount.PERCENT`
+    share: Fraction = ONE  # of each time, for `Measure.PERCENT`
     text: str = ""  # of a choice
     sets: bool = False  # it replaces the marks before instead of adding to them
     at_s: Optional[Fraction] = None  # seconds since the start; None: not known, after everything
@@ -59,7 +59,7 @@ class Happened(NamedTuple):
 class Course(NamedTuple):
     """What happened in a run, as far as points depend on it."""
 
-    marks: Tuple[Mark, ...] = ()
+    marks: Tuple[SheetMark, ...] = ()
     incidents: Tuple[Happened, ...] = ()
     clock_counts: bool = False  # times are of the counted clock, which pauses have stopped already
     ended: bool = False
@@ -67,7 +67,7 @@ class Course(NamedTuple):
     elapsed_s: Fraction = ZERO  # counted seconds until the end
 
 
-class Counted(NamedTuple):
+class Worth(NamedTuple):
     """What a sheet is worth."""
 
     total: Fraction
@@ -79,13 +79,13 @@ class Counted(NamedTuple):
     replaces: bool  # the attempts before this one do not count
 
 
-def count(sheet: Sheet, course: Course) -> Counted:
+def count(sheet: Sheet, course: Course) -> Worth:
     """Return what a sheet is worth. Marks of unknown items raise KeyError: their sender was asked before."""
     run = _Run(sheet, course)
     steps, void = run.go_through()
     tree = _Tree(sheet, run.left(void), run.decided, course)
     total = tree.total()
-    return Counted(total, tree.points, tree.own, tree.amounts(), (*steps, *tree.steps), void, run.replaces)
+    return Worth(total, tree.points, tree.own, tree.amounts(), (*steps, *tree.steps), void, run.replaces)
 
 
 def void_marks(sheet: Sheet, course: Course) -> Mapping[int, str]:
@@ -122,7 +122,7 @@ class _Run:
                 self._take(rule, happened)
         return self._steps, self._void
 
-    def left(self, void: Iterable[int]) -> List[Mark]:
+    def left(self, void: Iterable[int]) -> List[SheetMark]:
         """Return the marks that are not void, in the order in which they were made."""
         gone = set(void)
         return sorted((mark for index, mark in enumerate(self._marks) if index not in gone), key=_when)
@@ -140,7 +140,7 @@ class _Run:
             self._void[index] = why
             self._steps.append(why)
 
-    def _name(self, mark: Mark) -> str:
+    def _name(self, mark: SheetMark) -> str:
         return mark.name or self.names[mark.item]
 
     def _counted(self, wall_s: Optional[Fraction]) -> Optional[Fraction]:
@@ -232,7 +232,7 @@ class _Run:
         sheet = self.sheet if net else replace(self.sheet, items=tuple(map(_without_penalty, self.sheet.items)))
         return _Tree(sheet, marks, {}, self.course).total()
 
-    def _is_hit(self, rule: Incident, mark: Mark, at_s: Optional[Fraction], until: Optional[Fraction]) -> bool:
+    def _is_hit(self, rule: Incident, mark: SheetMark, at_s: Optional[Fraction], until: Optional[Fraction]) -> bool:
         """Whether an incident makes a mark void."""
         if rule.voids is Voids.ALL:
             return True
@@ -321,7 +321,7 @@ class _Tree:
     """The items with their amounts, added up."""
 
     def __init__(
-        self, sheet: Sheet, marks: Sequence[Mark], decided: Mapping[str, Tuple[int, str]], course: Course
+        self, sheet: Sheet, marks: Sequence[SheetMark], decided: Mapping[str, Tuple[int, str]], course: Course
     ) -> None:
         self._sheet = sheet
         self._course = course
@@ -350,13 +350,13 @@ class _Tree:
         """Return the points of the sheet."""
         return sum((self._points(item) for item in self._under.get("", ())), ZERO)
 
-    def _enter(self, mark: Mark) -> None:
+    def _enter(self, mark: SheetMark) -> None:
         item, before = self._items[mark.item], self._times.get(mark.item, _Times())
         self._texts[item.id] = mark.text
         new = ((mark.number, mark.share),)
-        if mark.sets or item.amount in (Amount.YES, Amount.CHOICE):
+        if mark.sets or item.amount in (Measure.YES, Measure.CHOICE):
             self._times[item.id] = _Times(new)
-        elif item.amount is Amount.PERCENT:
+        elif item.amount is Measure.PERCENT:
             self._times[item.id] = _Times((*before.shares, *new))
         else:
             self._times[item.id] = _Times(((before.total() + mark.number * mark.share, ONE),))
@@ -365,8 +365,8 @@ class _Tree:
 
     def _is_given(self, item: Item) -> bool:
         """Whether an item, or one under it, was given and counts. The reader of the rules refuses circles."""
-        if item.amount is not Amount.SECTION:
-            if item.amount is Amount.CHOICE:
+        if item.amount is not Measure.SECTION:
+            if item.amount is Measure.CHOICE:
                 chosen = next((c for c in item.choices if c.name == self._texts.get(item.id)), None)
                 has_points = any(choice.points is not None for choice in item.choices)
                 return chosen is not None and (not has_points or bool(chosen.points)) and not self._barred(item)
@@ -424,7 +424,7 @@ class _Tree:
         if item.each:
             points = self._of_each(item, times)
         else:
-            terms = [] if item.amount is Amount.SECTION else [self._own(item, times)]
+            terms = [] if item.amount is Measure.SECTION else [self._own(item, times)]
             self.own[item.id] = sum(terms, ZERO)
             for child in () if self._barred(item) else self._under.get(item.id, ()):
                 terms.append(self._points(child) if child.percent is None else self._share_of(child, sum(terms, ZERO)))
@@ -433,10 +433,10 @@ class _Tree:
         return points
 
     def _own(self, item: Item, times: _Times) -> Fraction:
-        if item.amount is Amount.CHOICE:
+        if item.amount is Measure.CHOICE:
             chosen = next((c.points for c in item.choices if c.name == self._texts.get(item.id)), None)
             return ZERO if chosen is None or self._barred(item) else Fraction(chosen)
-        if item.amount is Amount.CLOCK:
+        if item.amount is Measure.CLOCK:
             return self._clock_points(item)
         return Fraction(item.points or 0) * times.total()
 
@@ -527,9 +527,9 @@ class _Tree:
 
     def _say_what_is_too_often(self, item: Item, times: _Times) -> None:
         """Say where something that changes an item was marked more often than the item."""
-        for child in self._under.get(item.id, ()) if item.amount in (Amount.COUNT, Amount.YES) else ():
+        for child in self._under.get(item.id, ()) if item.amount in (Measure.COUNT, Measure.YES) else ():
             changes = self._counting(child).numbers()
-            if child.amount in (Amount.COUNT, Amount.YES) and (child.points or 0) > 0 and changes > times.numbers():
+            if child.amount in (Measure.COUNT, Measure.YES) and (child.points or 0) > 0 and changes > times.numbers():
                 self.steps.append(MORE_THAN(item=child.name, number=number_text(changes), other=item.name,
                                             times=number_text(times.numbers())))
 
