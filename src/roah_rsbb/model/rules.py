@@ -9,7 +9,23 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Optional, Tuple
 
-from roah_rsbb.model.scoring import ItemChoice, JuryResult, Number
+Number = Optional[Decimal]
+
+
+class JuryResult(enum.Enum):
+    """How the ratings of several judges become one."""
+
+    MEAN = "mean"
+    MEDIAN = "median"
+    WITHOUT_EXTREMES = "without extremes"  # the mean without the lowest and the highest; with two ratings, their mean
+
+
+@dataclass(frozen=True)
+class ItemChoice:
+    """One of the answers of an item that is a choice."""
+
+    name: str
+    points: Number = None  # None: the item gives no points
 
 
 class Measure(enum.Enum):

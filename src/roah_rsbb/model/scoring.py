@@ -6,7 +6,9 @@ Points are exact decimals, never floats, so that every page shows the same sum (
 import enum
 from dataclasses import dataclass, replace
 from decimal import Decimal
-from typing import NamedTuple, Optional, Tuple
+from typing import Dict, List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.model.rules import Item, ItemChoice, JuryResult, Measure, Number, Sheet
 
 # The largest number of points for one, the largest limit, and the largest value of an item that has a limit.
 MAX_NUMBER = 1_000_000
@@ -17,7 +19,6 @@ MAX_VALUE = 2**31 - 1
 # The name under which a sheet lists the bonus for the time left, as if it were a group.
 TIME_LEFT = "Time left"
 
-Number = Optional[Decimal]
 Key = Tuple[str, str]  # group and description, which identify an item
 
 
@@ -41,14 +42,6 @@ class ScoreKind(enum.IntEnum):
 WHOLE = frozenset((ScoreKind.BOOL, ScoreKind.UINT, ScoreKind.INT))
 # Types whose values can be added.
 NUMBERS = frozenset((ScoreKind.UINT, ScoreKind.INT, ScoreKind.DECIMAL))
-
-
-class JuryResult(enum.Enum):
-    """How the ratings of several judges become one."""
-
-    MEAN = "mean"
-    MEDIAN = "median"
-    WITHOUT_EXTREMES = "without extremes"  # the mean without the lowest and the highest; with two ratings, their mean
 
 
 class Agreement(enum.Enum):
@@ -84,14 +77,6 @@ class JudgesRule:
 
 
 @dataclass(frozen=True)
-class ItemChoice:
-    """One of the answers of an item of type choice."""
-
-    name: str
-    points: Optional[Decimal] = None  # None: the item gives no points
-
-
-@dataclass(frozen=True)
 class ScoringItem:
     """One line of the referee's score sheet; `group` and `desc` together are its identity."""
 
@@ -105,6 +90,9 @@ class ScoringItem:
     judges: Tuple[str, ...] = ()
     jury: JuryResult = JuryResult.MEAN
     needs: Tuple[Key, ...] = ()  # the item counts only if all of these are given
+    id: str = ""  # what the rules call it; empty: its key, or it is an incident
+    percent: Number = None  # of what the items before it left, instead of points
+    unit: str = ""  # of its value
 
     @property
     def key(self) -> Key:
@@ -122,12 +110,14 @@ class ScoringItem:
     @property
     def has_points(self) -> bool:
         """Whether the item can give points."""
-        return self.points is not None or any(choice.points is not None for choice in self.choices)
+        return (self.points is not None or self.percent is not None
+                or any(choice.points is not None for choice in self.choices))
 
     @property
     def is_plain(self) -> bool:
         """Whether it is an item without rules: a yes or a count."""
-        return self.kind in (ScoreKind.BOOL, ScoreKind.UINT) and self == ScoringItem(self.group, self.desc, self.kind)
+        return self.kind in (ScoreKind.BOOL, ScoreKind.UINT) and replace(self, id="") == ScoringItem(
+            self.group, self.desc, self.kind)
 
 
 @dataclass(frozen=True)
@@ -168,23 +158,31 @@ NO_SHEET_RULES = SheetRules()
 
 @dataclass(frozen=True)
 class SheetForm:
-    """A score sheet before it is filled in. `time_limit`: seconds of the run, for the bonus for the time left."""
+    """A score sheet before it is filled in.
+
+    `rules` and `time_limit` (seconds of the run) are those of files and journals before 2026-12, whose sheets are no
+    trees.
+    """
 
     items: Tuple[ScoringItem, ...] = ()
     rules: SheetRules = NO_SHEET_RULES
     time_limit: float = 0.0
     judges: Optional[JudgesRule] = None  # None: the referee scores
     objection_time: float = 0.0  # seconds after the result is published; 0.0: no such rule
+    sheet: Optional[Sheet] = None  # None: see `rules`
 
     @property
     def has_points(self) -> bool:
         """Whether the sheet gives points."""
+        if self.sheet is not None and any(item.amount is Measure.CLOCK for item in self.sheet.items):
+            return True
         return self.rules.time_left is not None or any(item.has_points for item in self.items)
 
     @property
     def is_plain(self) -> bool:
         """Whether it has only items without rules."""
-        has_rules = self.rules != NO_SHEET_RULES or self.judges is not None or self.objection_time > 0
+        has_rules = (self.rules != NO_SHEET_RULES or self.judges is not None or self.objection_time > 0
+                     or self.sheet is not None)
         return not has_rules and all(item.is_plain for item in self.items)
 
 
@@ -193,3 +191,44 @@ class ScoreGroup(NamedTuple):
 
     name: str
     items: Tuple[Tuple[ScoringItem, int], ...]
+
+
+# The group of a sheet's incidents: each is an item that counts how often it happened.
+INCIDENTS = "Incidents"
+_KINDS = {
+    Measure.YES: ScoreKind.BOOL, Measure.COUNT: ScoreKind.UINT, Measure.NUMBER: ScoreKind.DECIMAL,
+    Measure.PERCENT: ScoreKind.DECIMAL, Measure.POINTS: ScoreKind.DECIMAL, Measure.CHOICE: ScoreKind.CHOICE,
+    Measure.RATING: ScoreKind.RATING,
+}
+
+
+def rows(sheet: Sheet) -> Tuple[ScoringItem, ...]:
+    """Return what referees mark on a sheet: its items, by the section in which they are, and its incidents.
+
+    Items of one name in one section get a number: referees must see which is which.
+    """
+    names = {item.id: item.name for item in sheet.items}
+    sections: Dict[str, str] = {}  # id of an item -> name of the section in which it is
+    found: List[ScoringItem] = []
+    seen: Dict[Key, int] = {}
+    for item in sheet.items:
+        sections[item.id] = item.name if item.amount is Measure.SECTION else sections.get(item.under, "")
+        if item.amount in _KINDS:
+            key = sections[item.id], item.name
+            seen[key] = seen.get(key, 0) + 1
+            found.append(_row(item, key[0], item.name if seen[key] == 1 else f"{item.name} ({seen[key]})", names))
+    found += [ScoringItem(INCIDENTS, incident.name, ScoreKind.UINT) for incident in sheet.incidents]
+    return tuple(found)
+
+
+def _row(item: Item, group: str, desc: str, names: Dict[str, str]) -> ScoringItem:
+    """Return what referees mark of an item."""
+    is_percent = item.amount is Measure.PERCENT
+    least, most = item.low, item.high
+    if is_percent:
+        least, most = Decimal(0), None if item.times is None else Decimal(100 * item.times)
+    elif item.amount is Measure.COUNT and most is None and item.times is not None:
+        most = Decimal(item.times)
+    needs = tuple((group, names[each.item]) for each in item.needs)
+    return ScoringItem(group, desc, _KINDS[item.amount], item.points, least, most, item.choices, item.judges,
+                       item.jury, needs, item.id, item.percent, "%" if is_percent else "")

@@ -7,13 +7,12 @@ from dataclasses import replace
 from decimal import Decimal
 from typing import Dict, List, NamedTuple, Optional, Set, Tuple
 
+from roah_rsbb.model.rules import ItemChoice, JuryResult
 from roah_rsbb.model.scoring import (
     MAX_NUMBER,
     MAX_VALUE,
     TIME_LEFT,
     GroupLimits,
-    ItemChoice,
-    JuryResult,
     Key,
     ScoreKind,
     ScoringItem,

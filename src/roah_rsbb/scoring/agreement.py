@@ -8,7 +8,8 @@ from decimal import ROUND_HALF_UP, Decimal
 from typing import NamedTuple, Optional, Sequence
 
 from roah_rsbb.model.records import ItemRecord
-from roah_rsbb.model.scoring import NUMBERS, WHOLE, Agreement, JuryResult, ScoreKind, ScoringItem
+from roah_rsbb.model.rules import JuryResult
+from roah_rsbb.model.scoring import NUMBERS, WHOLE, Agreement, ScoreKind, ScoringItem
 from roah_rsbb.scoring.points import jury_text, whole_part
 
 # How numbers become one. Answers that are no numbers are decided by the majority.

@@ -8,17 +8,8 @@ from decimal import ROUND_DOWN, ROUND_FLOOR, ROUND_HALF_UP, Context, Decimal, In
 from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.model.records import GroupPoints, ItemRecord, SheetPoints
-from roah_rsbb.model.scoring import (
-    MAX_DECIMALS,
-    MAX_VALUE,
-    TIME_LEFT,
-    WHOLE,
-    JuryResult,
-    Key,
-    ScoreKind,
-    ScoringItem,
-    SheetForm,
-)
+from roah_rsbb.model.rules import JuryResult
+from roah_rsbb.model.scoring import MAX_DECIMALS, MAX_VALUE, TIME_LEFT, WHOLE, Key, ScoreKind, ScoringItem, SheetForm
 
 # More digits than any sum of values within the limits can have.
 _EXACT = Context(prec=80)

@@ -2,16 +2,8 @@
 
 from decimal import Decimal
 
-from roah_rsbb.model.scoring import (
-    GroupLimits,
-    ItemChoice,
-    JuryResult,
-    ScoreKind,
-    ScoringItem,
-    SheetForm,
-    SheetRules,
-    TimeLeft,
-)
+from roah_rsbb.model.rules import ItemChoice, JuryResult
+from roah_rsbb.model.scoring import GroupLimits, ScoreKind, ScoringItem, SheetForm, SheetRules, TimeLeft
 from roah_rsbb.scoring.points import text_of
 from roah_rsbb.scoring.sheet import Mark
 

@@ -7,15 +7,8 @@ from decimal import Decimal
 import pytest
 
 from helpers.config_files import line_of
-from roah_rsbb.model.scoring import (
-    GroupLimits,
-    ItemChoice,
-    JuryResult,
-    ScoreKind,
-    ScoringItem,
-    SheetRules,
-    TimeLeft,
-)
+from roah_rsbb.model.rules import ItemChoice, JuryResult
+from roah_rsbb.model.scoring import GroupLimits, ScoreKind, ScoringItem, SheetRules, TimeLeft
 
 PAGE = (pathlib.Path(__file__).resolve().parents[3] / "docs" / "organiser.md").read_text(encoding="utf-8")
 TEXT = re.search(r"<!-- file: points/benchmarks.yaml -->\n```yaml\n(.*?)```", PAGE, re.DOTALL).group(1)

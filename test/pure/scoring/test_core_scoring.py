@@ -12,7 +12,8 @@ from helpers.examples import examples
 from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Refused
-from roah_rsbb.model.scoring import ItemChoice, ScoreKind, ScoringItem
+from roah_rsbb.model.rules import ItemChoice
+from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.scoring import sheet as sheets
 from roah_rsbb.scoring.sheet import (
     MAX_ENTRIES,

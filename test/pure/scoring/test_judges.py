@@ -17,7 +17,8 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.records import RunRecord
-from roah_rsbb.model.scoring import Agreement, ItemChoice, JuryResult, ScoreKind, ScoringItem
+from roah_rsbb.model.rules import ItemChoice, JuryResult
+from roah_rsbb.model.scoring import Agreement, ScoreKind, ScoringItem
 from roah_rsbb.scoring.agreement import ItemValue, agreed
 from roah_rsbb.scoring.sheet import Mark
 

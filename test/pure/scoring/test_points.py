@@ -13,16 +13,8 @@ from roah_rsbb.model.as_json import BadData, from_json, to_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import By, ItemRecord, RunRecord
-from roah_rsbb.model.scoring import (
-    GroupLimits,
-    ItemChoice,
-    JuryResult,
-    ScoreKind,
-    ScoringItem,
-    SheetForm,
-    SheetRules,
-    TimeLeft,
-)
+from roah_rsbb.model.rules import ItemChoice, JuryResult
+from roah_rsbb.model.scoring import GroupLimits, ScoreKind, ScoringItem, SheetForm, SheetRules, TimeLeft
 from roah_rsbb.scoring.book import FinishedRun, RunBook
 from roah_rsbb.scoring.points import counted, jury_text, number_of, text_of, whole_part
 from roah_rsbb.scoring.sheet import Mark, ScoreSheet

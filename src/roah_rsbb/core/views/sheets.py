@@ -24,7 +24,8 @@ from roah_rsbb.model.results import (
     RunLine,
     RunSheet,
 )
-from roah_rsbb.model.scoring import Number, ScoreKind, ScoringItem, SheetForm
+from roah_rsbb.model.rules import Number
+from roah_rsbb.model.scoring import ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.scoring.counting import Why
 from roah_rsbb.scoring.judges import ItemVerdict
