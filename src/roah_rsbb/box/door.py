@@ -94,8 +94,7 @@ class Door:
 
     def __init__(self, loop: asyncio.AbstractEventLoop, token: str, calls: Mapping[str, Call], now: Callable[[], Now],
                  written: Written, check: Callable[[], None] = lambda: None) -> None:
-        """`calls`: what clients may call, by name. A call updates `written` before it returns. `check` is called before
-        anything leaves: see `Fence.check`."""
+        """`calls`: what clients may call, by name. `check` is called before anything leaves: see `Fence.check`."""
         self.now, self.written, self.check = now, written, check
         self.loop = loop
         self.token = token
@@ -139,6 +138,9 @@ class Door:
     def is_followed(self) -> bool:
         """Whether there is a client."""
         return any(len(places) for places in self._clients.values())
+
+    def update(self) -> None:
+        """Make `written` current: an answer names its number."""
 
     def publish(self) -> object:
         """Send what has changed to all clients that have taken the message before. Call it after each event."""
@@ -257,6 +259,7 @@ class Door:
         return text
 
     def _answer(self, request: _Request, found: str) -> None:
+        self.update()
         request.client.send(self.now(), f'{{"id":{json.dumps(request.id)},"number":{self.written.number},{found[1:]}')
 
     def _all(self) -> List["_Client"]:
@@ -379,8 +382,7 @@ class BoxDoor(Door):
     ) -> None:
         """`host`: broadcast address in use; `log_files`, `unsaved`: see `Documents.look`; `calls`, `check`: see `Door`;
         `publicity`: what the public may see."""
-        super().__init__(loop, new_token(), {name: self._current(call) for name, call in calls.items()}, now,
-                         Written(Document), check)
+        super().__init__(loop, new_token(), calls, now, Written(Document), check)
         self._log_files, self._unsaved = log_files, unsaved
         self._documents = Documents(box, uuid, host, publicity)
         self._box = box
@@ -416,20 +418,24 @@ class BoxDoor(Door):
             self._soon = self.loop.call_at(due, self.publish)
 
     def publish(self) -> Document:
-        """Send clients what has changed; returns the document. What only time changes is looked at once a second."""
+        """Send clients what has changed; returns the document."""
         if self._soon is not None:
             self._soon.cancel()
         self._soon, self._sent_mono = None, self.loop.time()
-        now = self.now()  # of the box, which in a replay is that of the run
-        seen = self._box.happenings, int(now.mono)
-        if seen != self._seen:
-            self._seen = seen
-            self._look(now)
+        self.update()
         super().publish()
         if (self.written.number, self.is_old) != self._said:
             self._said = self.written.number, self.is_old
             self.on_news()
         return self.document
+
+    def update(self) -> None:
+        """See `Door`. What only time changes is looked at once a second."""
+        now = self.now()  # of the box, which in a replay is that of the run
+        seen = self._box.happenings, int(now.mono)
+        if seen != self._seen:
+            self._seen = seen
+            self._look(now)
 
     def _look(self, now: Now) -> None:
         """Make the document again. If that fails, which is an error of this program, clients see that it is old."""
@@ -443,17 +449,6 @@ class BoxDoor(Door):
         except Exception as error:
             self.is_old = True
             self.report_bug(str(error), error)
-
-    def _current(self, call: Call) -> Call:
-        """Return a call after which the document contains what it did."""
-        def carried_out(arguments: Mapping[str, Any], caller: Caller) -> Any:
-            try:
-                return call(arguments, caller)
-            finally:
-                self._look(self.now())
-                self.called()
-
-        return carried_out
 
     def _sign(self) -> None:
         self.loop.call_later(SIGN_S, self._sign)

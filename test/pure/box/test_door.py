@@ -6,6 +6,7 @@ import contextlib
 import json
 import socket
 import stat
+import time
 import zlib
 
 import pytest
@@ -19,7 +20,8 @@ from roah_rsbb.box import door
 from roah_rsbb.box.door import BoxDoor
 from roah_rsbb.client.places import DoorPlace, NotFound, new_token, read_place, write_place
 from roah_rsbb.core.views.document import Documents
-from roah_rsbb.document.calls import Caller, Waiting
+from roah_rsbb.document.calls import Caller, InThread, Waiting
+from roah_rsbb.ground.loop import call_in_loop
 from roah_rsbb.model.reason import encode
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.web import serving
@@ -422,6 +424,31 @@ def kept(driver):
     yield made
     made.close()
     loop.close()
+
+
+def in_thread(loop, work):
+    """Do it as `reload` does, after the document was published again."""
+    def later():
+        time.sleep(10 * door.CALLS_GAP_S)
+        return call_in_loop(loop, work)
+
+    return InThread(later)
+
+
+@pytest.mark.parametrize("do", [pytest.param(lambda loop, work: work(), id="at once"), in_thread])
+def test_an_answer_names_a_document_that_contains_what_the_call_did(running, driver, do):
+    def work():
+        driver.connected()
+        return {}
+
+    made = BoxDoor(running.loop, driver.box, "uuid", "", lambda: driver.now, dict, tuple,
+                   {"act": lambda found, caller: do(running.loop, work)}, lambda: None)
+    made.publish()
+    answer = running.do(made.ask("act", {}, Caller("", "")))
+    in_answer = made.written.number
+    assert made.publish().zones["tbm"].is_on("disconnect")
+    assert (answer["number"], made.written.number) == (in_answer, in_answer)
+    made.close()
 
 
 def after(driver, looks, kept, act):
