@@ -184,7 +184,7 @@ class BoxProgram:
             lambda session, events, on_trouble: Journal(
                 params.log_dir, session, events, params.resume, on_trouble, lock),
             PortRecord(params.log_dir), functools.partial(RunLogWriter, params.log_dir),
-            Outputs(self._ring_timeout, self._publish_module_runs, self._set_device,
+            Outputs(self._ring_timeout, self._publish_module_runs, self.set_device,
                     lambda level, text: _log.log(_LEVELS[level], "%s", text), self._report_bug,
                     lambda ticket: self._copies.ask(ticket), lambda stops: self._copies.pass_stops(stops)))
 
@@ -370,7 +370,8 @@ class BoxProgram:
             self._modules.publish_runs()
         self._bridge.publish_module_runs()
 
-    def _set_device(self, wish: SetDevice) -> None:
+    def set_device(self, wish: SetDevice) -> None:
+        """Carry out a robot's command for a home device."""
         if self.devices.home is not None or not self._bridge.set_device(wish):
             self.devices.set(wish)
 

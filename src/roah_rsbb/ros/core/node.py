@@ -78,14 +78,13 @@ class RosBridge(Bridge):
     def publish_module_runs(self) -> None:
         """See `Bridge`."""
         if self._ros is not None:
-            self._ros.others.publish_module_runs()
+            self._ros.publish_module_runs()
 
     def set_device(self, wish: SetDevice) -> bool:
         """See `Bridge`."""
         if self._ros is not None:
-            self._ros.others.set_device(wish)
-        else:
-            self._wishes[wish.device] = wish
+            return self._ros.set_device(wish)
+        self._wishes[wish.device] = wish
         return True
 
     def close(self) -> None:
@@ -110,7 +109,7 @@ class RosBridge(Bridge):
         if self._rang:
             side.publish_timeout()
         for wish in self._wishes.values():
-            self.set_device(wish)
+            program.set_device(wish)
         if self._is_warned:
             program.event(program.box.on_repaired, NO_MASTER, MASTER_ANSWERS)
 

@@ -1,12 +1,14 @@
 """What the node roah_rsbb_core has of ROS. The only place where the core meets rospy.
 
-The box runs already, and never waits for it: all of this is made in a thread, which may wait for the ROS master.
+The box runs already, and never waits for it: all of this is made in a thread, which may wait for the ROS master. A part
+that fails is missing, and the others work.
 """
 
+import logging
 import signal
 import threading
 import time
-from typing import Callable, List, Optional, Tuple
+from typing import Callable, List, Optional, Tuple, TypeVar
 
 import rosgraph
 import rospy
@@ -38,6 +40,18 @@ END_LAUNCH_S = 10.0
 MASTER_LOOK_S = 0.5
 # Seconds in which programs on a busy computer find the topics of a core that follows another one.
 LISTENERS_S = 10.0
+
+_log = logging.getLogger(__name__)
+T = TypeVar("T")
+
+
+def part(what: str, make: Callable[[], T]) -> Optional[T]:
+    """Return a part of the core's side in ROS; None: it failed, and the log says so."""
+    try:
+        return make()
+    except Exception:
+        _log.exception("ROS: %s cannot be used. All else works. Between two runs, end the box and start it again", what)
+        return None
 
 
 def join(on_look: Callable[[], object] = lambda: None) -> None:
@@ -81,20 +95,31 @@ class RosSide:
         self._ros = ros = RosLoop(loop)
         self._program = program
         self._public_due = 0.0  # monotonic (s)
-        self._timeout = rospy.Publisher("/timeout", Empty, queue_size=1)
         self._listeners_until = loop.time() + LISTENERS_S
-        self.others = OtherNodes(ros, program, devices.home is not None)
-        self._topics = OriginalTopics(ros, program.box, program.now, program.door.publish)
-        self._services = call_in_loop(loop, lambda: LoopServices(loop, program.game.fence.check))
-        CoreServices(program.box, self._services, program.calls)
-        self._devices = None if devices.home is None else DevicesInRos(self._services, devices, devices.home)
+        self._timeout = part("the topic of timeouts", lambda: rospy.Publisher("/timeout", Empty, queue_size=1))
+        self._modules = part("modules in other nodes", lambda: ModuleNodes(ros, program))
+        self._topics = part("the topics of the original's panels", lambda: OriginalTopics(
+            ros, program.box, program.now, program.door.publish))
+        self._services = services = part("all services", lambda: call_in_loop(
+            loop, lambda: LoopServices(loop, program.game.fence.check)))
+        self._devices: Optional[DevicesInRos] = None
+        self._devices_node: Optional[DevicesNode] = None
+        if services is not None:
+            part("the original's services", lambda: CoreServices(program.box, services, program.calls))
+        home = devices.home
+        if home is None:
+            self._devices_node = part("the node of the home devices", lambda: DevicesNode(ros, program))
+        elif services is not None:
+            self._devices = part("the home devices", lambda: DevicesInRos(services, devices, home))
 
     def use(self) -> None:
         """Begin to publish."""
-        self._program.look(self._look, lambda: GUI_PERIOD_S if self._topics.are_wanted else PERIOD_S)
-        self.others.publish_module_runs()
-        if self._devices is not None:
-            self._devices.use()
+        topics, devices = self._topics, self._devices
+        if topics is not None:
+            self._program.look(lambda: self._look(topics), lambda: GUI_PERIOD_S if topics.are_wanted else PERIOD_S)
+        self.publish_module_runs()
+        if devices is not None:
+            part("the home devices", devices.use)
         rospy.core.add_preshutdown_hook(lambda reason: self._ros.post(self._program.on_exit))
 
     def publish_places(self, place: List[str]) -> None:
@@ -107,25 +132,39 @@ class RosSide:
         """A run timed out, maybe while the core was down: shortly after the start, wait for the first one to listen."""
         self._program.game.fence.check()
         loop = self._ros.loop
+        if self._timeout is None:
+            return
         if self._timeout.get_num_connections() > 0 or loop.time() > self._listeners_until:
             publish(self._timeout, Empty())
         else:
             loop.call_later(PERIOD_S, self.publish_timeout)
 
+    def publish_module_runs(self) -> None:
+        """Publish the runs that have a benchmarking module."""
+        if self._modules is not None:
+            self._modules.publish_runs()
+
+    def set_device(self, wish: SetDevice) -> bool:
+        """Let the node of the home devices carry out a robot's command. Returns whether that is possible."""
+        if self._devices_node is not None:
+            self._devices_node.set(wish)
+        return self._devices_node is not None
+
     def close(self) -> None:
         """Take no more calls, and end the ROS node."""
-        self._services.close()
+        if self._services is not None:
+            self._services.close()
         if self._devices is not None:
             self._devices.close()
         self._ros.end_node()
 
-    def _look(self) -> List[Callable[[], object]]:
+    def _look(self, topics: OriginalTopics) -> List[Callable[[], object]]:
         """What is published in each look."""
-        todo: List[Callable[[], object]] = [self._topics.publish_to_gui]
+        todo: List[Callable[[], object]] = [topics.publish_to_gui]
         now_mono = self._ros.loop.time()
         if now_mono > self._public_due - GUI_PERIOD_S / 2:
             self._public_due = now_mono + PUBLIC_PERIOD_S
-            todo.append(self._topics.publish_to_public)
+            todo.append(topics.publish_to_public)
         return todo
 
 
@@ -156,45 +195,45 @@ def end_launch() -> None:
         interrupted.wait(END_LAUNCH_S)
 
 
-class OtherNodes:
-    """The topics of the other nodes. What they say becomes events of the box."""
+class ModuleNodes:
+    """The nodes of benchmarking modules. What they say becomes events of the box."""
 
-    def __init__(self, ros: RosLoop, program: BoxProgram, has_devices: bool) -> None:
-        """`has_devices`: this box controls the home devices."""
-        self._ros, self._program, self._box, self._event = ros, program, program.box, program.event
-        self._devices: Optional[DeviceCalls] = None
-        self._modules = Newest(ros.post, self._take_modules, MAX_NODES)
-        self._module_runs = rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True)
-        rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
-        if not has_devices:
-            self._devices = DeviceCalls(self._on_device_refused)
-            rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
-            rospy.Subscriber("/devices/bell", Empty, lambda _: program.ring_bell(), queue_size=10)
-            rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
+    def __init__(self, ros: RosLoop, program: BoxProgram) -> None:
+        self._program = program
+        self._states = Newest(ros.post, self._take, MAX_NODES)
+        self._runs = rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True)
+        rospy.Subscriber("/modules/state", ModulesState, self._on_state, queue_size=10, tcp_nodelay=True)
 
-    def set_device(self, wish: SetDevice) -> None:
-        """Carry out a robot's command for a home device."""
-        assert self._devices is not None, "another node controls the devices"
-        self._devices.set(wish)
-
-    def publish_module_runs(self) -> None:
+    def publish_runs(self) -> None:
         """Publish the runs that have a benchmarking module."""
         self._program.game.fence.check()
-        publish(self._module_runs, convert.runs_message(self._program.uuid, self._box.modules.runs()))
+        publish(self._runs, convert.runs_message(self._program.uuid, self._program.box.modules.runs()))
 
-    def _on_devices(self, message: DevicesState) -> None:
+    def _take(self, state: object) -> None:
+        self._program.event(self._program.box.modules.on_modules, state)
+
+    def _on_state(self, message: ModulesState) -> None:
+        state = convert.modules_state_of(message)
+        self._states.put(state.node, state)
+
+
+class DevicesNode:
+    """The node of the home devices, if this box does not control them. What it says becomes events of the box."""
+
+    def __init__(self, ros: RosLoop, program: BoxProgram) -> None:
+        self._ros, self._box, self._event = ros, program.box, program.event
+        self._calls = DeviceCalls(self._on_refused)
+        self.set = self._calls.set
+        rospy.Subscriber("/devices/state", DevicesState, self._on_state, queue_size=10)
+        rospy.Subscriber("/devices/bell", Empty, lambda _: program.ring_bell(), queue_size=10)
+        rospy.Subscriber("/devices/status", DevicesStatus, self._on_status, queue_size=10)
+
+    def _on_state(self, message: DevicesState) -> None:
         devices = devices_of(message)
         self._ros.post(lambda: self._event(self._box.on_devices, devices))
 
-    def _on_devices_status(self, message: DevicesStatus) -> None:
+    def _on_status(self, message: DevicesStatus) -> None:
         self._ros.post(lambda: self._event(self._box.on_devices_status, message.connected, message.text))
 
-    def _on_device_refused(self, wish: SetDevice, reason: str) -> None:
+    def _on_refused(self, wish: SetDevice, reason: str) -> None:
         self._ros.post(lambda: self._event(self._box.on_device_refused, wish.zone, wish.device, wish.value, reason))
-
-    def _take_modules(self, state: object) -> None:
-        self._event(self._box.modules.on_modules, state)
-
-    def _on_modules(self, message: ModulesState) -> None:
-        state = convert.modules_state_of(message)
-        self._modules.put(state.node, state)
