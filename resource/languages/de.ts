@@ -3503,11 +3503,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
-        <source>zone &apos;{zone}&apos; has no event &apos;{event}&apos; any more: choose it again</source>
-        <translation>Zone „{zone}“ hat den Termin „{event}“ nicht mehr: Wählen Sie ihn noch einmal</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/actions/runs.py"/>
         <source>The event is of team {team} now: choose it again</source>
         <translation>Der Termin ist jetzt von Team {team}: Wählen Sie ihn erneut</translation>
     </message>
@@ -4213,6 +4208,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/views/document.py"/>
+        <source>START would continue the run: its next end would count instead of this one</source>
+        <translation>START würde den Lauf fortsetzen: Sein nächstes Ende würde statt diesem zählen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/views/document.py"/>
         <source>Clock paused by the referee</source>
         <translation>Uhr vom Schiedsrichter angehalten</translation>
     </message>
@@ -4280,6 +4280,11 @@
         <location filename="../../src/roah_rsbb/core/zones.py"/>
         <source>No run is connected, so there is nothing to stop</source>
         <translation>Kein Lauf ist verbunden, also gibt es nichts zu stoppen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/zones.py"/>
+        <source>zone &apos;{zone}&apos; has no event &apos;{event}&apos; any more: choose it again</source>
+        <translation>Zone „{zone}“ hat den Termin „{event}“ nicht mehr: Wählen Sie ihn noch einmal</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/zones.py"/>

@@ -17,7 +17,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import BoxSeen, Document, RobotSeen, TabletSeen
 from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.model.reason import joined, say
-from roah_rsbb.model.records import Phase, RunRecord
+from roah_rsbb.model.records import RAN_TO_THE_END, Phase, RunRecord
 from roah_rsbb.model.results import Judging, RunLine, UnsavedParts
 from roah_rsbb.model.zone import LATELY_S, AllRobots, Count, Event, RobotInRun, RunClock, SheetItem, Switches, ZoneSeen
 from roah_rsbb.protocol import wire_seconds
@@ -30,6 +30,8 @@ SEVERAL = say("Several robots of team {team} are active ({robots}): choose which
 ALL_OK = say("All OK for start")
 STOPPED = say("Can be restarted. The clock is stopped")
 KEPT_RUNNING = say("Can be restarted. The clock kept running")
+# Of one that no referee stopped.
+NEXT_END = say("START would continue the run: its next end would count instead of this one")
 PAUSED = say("Clock paused by the referee")
 ATTEMPT = say("Attempt {number} of {all}")
 ONE_READY = say("Robot ready to accept connection: {robot}")
@@ -305,6 +307,8 @@ def _run_lines(run: ZoneRun, view: ZoneSeen, now: Now) -> List[str]:
         elif not reasons:
             stops = run.times.rules.restarts is Restarts.CLOCK_STOPS
             lines.append(STOPPED if stops else KEPT_RUNNING)
+            if run.end_reason in RAN_TO_THE_END:
+                lines.append(NEXT_END)
     elif run.times.state.paused:
         lines.append(PAUSED)
     return lines + run.status_lines(now) + _attempt_lines(view)

@@ -59,7 +59,8 @@ def test_the_state_text_of_a_run_from_beginning_to_end():
         "Robot prepared, executing (no explicit goal)\nMessages saved: 1",
         "Benchmark stopped by the referee\nMessages saved: 1",
         "Benchmark stopped by the referee\nCan be restarted. The clock kept running\nMessages saved: 1",
-        "Benchmark completed by the robot\nCan be restarted. The clock kept running\nMessages saved: 1",
+        "Benchmark completed by the robot\nCan be restarted. The clock kept running\n"
+        "START would continue the run: its next end would count instead of this one\nMessages saved: 1",
     ]
     assert phases == ["idle", "connected", "connected", "running", "running", "ended", "ended", "ended"]
 
