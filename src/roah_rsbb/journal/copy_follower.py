@@ -291,12 +291,14 @@ class CopySettings(NamedTuple):
     rsbb_host: str  # and these
     rsbb_port: int
     modules_dir: str  # empty: it needs no benchmarking modules
+    of_venue: Mapping[str, str] = MappingProxyType({})  # and these arguments, which depend on no computer
 
     @property
     def words(self) -> List[str]:
         """As a command line has them; none: nothing is to be copied."""
-        values = self._replace(backup_dir=self.backup_dir or NONE)._asdict().items()
-        return [f"{name}:={value}" for name, value in values] if self.backup_dir or self.standby_port else []
+        values = self._replace(backup_dir=self.backup_dir or NONE)._asdict()
+        values.update(values.pop("of_venue"))
+        return [f"{name}:={value}" for name, value in values.items()] if self.backup_dir or self.standby_port else []
 
 
 def copy_settings(params: Params) -> CopySettings:
@@ -305,6 +307,20 @@ def copy_settings(params: Params) -> CopySettings:
         params.path("log_dir", "~/.ros/roah_rsbb"), params.path_or_none("backup_dir"),
         params.whole("standby_port", 0, 0, 65535), params.text("bind_host", "0.0.0.0"),
         params.path("passwords_file", NONE), params.text("rsbb_host", "10.255.255.255"),
-        params.whole("rsbb_port", 6666, 1, 65000), params.path("modules_dir", ""))
+        params.whole("rsbb_port", 6666, 1, 65000), params.path("modules_dir", ""), _of_venue(params))
     params.done()
     return found
+
+
+def _of_venue(params: Params) -> Dict[str, str]:
+    found = {
+        **{name: params.flag(name, False) for name in (
+            "devices", "tablet", "web", "public_provisional", "public_robot_texts")},
+        "smartif_host": params.text("smartif_host", ""), "smartif_port": params.whole("smartif_port", 6665, 1, 65535),
+        "tablet_port": params.whole("tablet_port", 8080, 0, 65535),
+        "web_port": params.whole("web_port", 8081, 0, 65535),
+        "public_results": params.text("public_results", NONE), "team_pages": params.text("team_pages", "code"),
+        "web_title": params.text("title", ""),
+    }
+    return {name: str(value).lower() if isinstance(value, bool) else str(value)
+            for name, value in found.items() if value != ""}

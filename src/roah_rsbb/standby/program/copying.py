@@ -316,7 +316,8 @@ class Copying:
         network, modules = (os.path.join(end.folder, name) for name in (NETWORK, MODULES))
         self._modules = PackedModules(settings.modules_dir, modules) if settings.modules_dir else None
         with open(network, "w", encoding="utf-8") as file:
-            json.dump({"rsbb_host": settings.rsbb_host, "rsbb_port": settings.rsbb_port, "standby_port": port}, file)
+            json.dump({"rsbb_host": settings.rsbb_host, "rsbb_port": settings.rsbb_port, "standby_port": port,
+                       **settings.of_venue}, file)
         self._add(STANDBY, Follower(log_dir, end.open_copy, {
             PASSWORDS: settings.passwords_file, NETWORK: network, MODULES: modules}, on_answer=self._on_copied),
                   lambda: end.notice)

@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import shlex
 import signal
 import socket
 import time
@@ -236,7 +237,7 @@ class StandbyFolder:
             lines.append("The key of the box before is damaged, so that box does not stop when it hears this one. Make "
                          "sure that it is off")
         stops = "" if box is None else ": the box before stops when it hears this one"
-        lines += [f"Epoch {standing.epoch}{stops}", " ".join(command)]
+        lines += [f"Epoch {standing.epoch}{stops}", shlex.join(command)]
         if box is not None and not is_own(box.host):
             lines.append(f"Robots that send to the box's address {box.host} instead of the broadcast address are not "
                          "heard here: panels show them as silent. If there are such robots, take this address over. "

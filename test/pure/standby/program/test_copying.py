@@ -8,9 +8,11 @@ import time
 import pytest
 
 from helpers.waiting import wait_until
+from roah_rsbb.box.settings import BoxSettings, defaults, of_words
 from roah_rsbb.ground import linux
+from roah_rsbb.ground.params import KnownParams
 from roah_rsbb.journal import log_dir as log_dirs
-from roah_rsbb.journal.copy_follower import PARENT
+from roah_rsbb.journal.copy_follower import PARENT, copy_settings
 from roah_rsbb.standby.program.copying import LOCK, _only_one
 
 # It soon finds that nobody is left.
@@ -71,3 +73,19 @@ def test_one_whose_supervisor_was_killed_before_it_had_started_ends(tmp_path):
     copying = subprocess.Popen([sys.executable, "-c", COPIES, str(tmp_path)],
                                env={**os.environ, PARENT: str(gone.pid)})
     assert copying.wait(60.0) == 0
+
+
+@pytest.mark.parametrize("params", [
+    BoxSettings({**defaults(), "devices": "false", "tablet": "false", "smartif_host": "10.1.0.56", "web_port": "9000",
+                 "web_title": "A Cup 2026", "public_results": "scores", "standby_port": "8083"}),
+    KnownParams({"devices": False, "tablet": False, "web": True, "smartif_host": "10.1.0.56", "web_port": 9000,
+                 "title": "A Cup 2026", "public_results": "scores", "standby_port": 8083}),  # of a node of ROS
+])
+def test_a_standby_is_given_the_settings_that_depend_on_no_computer(params):
+    """Without them, its box would connect to the usual SmartIF controller, which may be somebody else's."""
+    settings = copy_settings(params)
+    assert settings.of_venue == {
+        "devices": "false", "tablet": "false", "web": "true", "public_provisional": "false",
+        "public_robot_texts": "false", "smartif_host": "10.1.0.56", "smartif_port": "6665", "tablet_port": "8080",
+        "web_port": "9000", "public_results": "scores", "team_pages": "code", "web_title": "A Cup 2026"}
+    assert copy_settings(BoxSettings(of_words(settings.words))) == settings
