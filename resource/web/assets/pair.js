@@ -4,7 +4,7 @@ import {address, html, parameters, show, useEffect, useState} from "/assets/part
 import {ask, deviceName, ownPage, reasonsText, roleText} from "/assets/device.js";
 
 const NAME = "roah_rsbb_name";
-const LINK = location.hash.slice(1), CODE = LINK.slice(0, 9);
+const linkOf = () => location.hash.slice(1);
 const PART = parameters.get("part");
 
 // The page to which pairing leads. A referee's window asks for a part of the page of the whole box.
@@ -23,6 +23,13 @@ function Pair({live, words}) {
   const [session, setSession] = useState(null);
   const [trouble, setTrouble] = useState("");
   const [isBusy, setBusy] = useState(false);
+  const [link, setLink] = useState(linkOf);
+  const linked = link.slice(0, 9);
+  useEffect(() => {  // another link in the same tab loads no page
+    const follow = () => setLink(linkOf());
+    addEventListener("hashchange", follow);
+    return () => removeEventListener("hashchange", follow);
+  }, []);
   useEffect(() => {
     ask("GET", "session").then((answer) => answer.status === 200 && (PART && answer.body.role === "organiser"
       ? location.replace(leadsTo(answer.body)) : setSession(answer.body)));
@@ -34,7 +41,7 @@ function Pair({live, words}) {
     const typed = new FormData(event.target);
     setBusy(true);
     const answer = await ask("POST", "pair", {
-      code: typed.get("code") === CODE ? LINK : typed.get("code"), person: typed.get("person"), device: typed.get("device"),
+      code: typed.get("code") === linked ? link : typed.get("code"), person: typed.get("person"), device: typed.get("device"),
       language: parameters.get("language") || "",
     });
     setBusy(false);
@@ -68,7 +75,7 @@ function Pair({live, words}) {
         <p><a class="button ${path === ownPage(session) ? "main" : ""}" href=${address(path)}>${text}</a></p>`)}
       <p><button type="button" onClick=${end}>${texts.end_pairing}</button></p>`}
     <form onSubmit=${pair}>
-      <${Field} name="code" text=${texts.code} value=${CODE} autocapitalize="characters" />
+      <${Field} key=${link} name="code" text=${texts.code} value=${linked} autocapitalize="characters" />
       <${Field} name="person" text=${texts.your_name} value=${parameters.get("person") || localStorage.getItem(NAME) || ""} />
       <${Field} name="device" text=${texts.this_device} value=${deviceName()} />
       <button class="main" disabled=${isBusy}>${texts.pair}</button>
