@@ -50,7 +50,8 @@ class Condition:
     least: Number = None  # None: at all
     text: str = ""
     since: int = 1  # from this count on; the counts before need nothing
-    each: bool = False  # each count needs one of the other item
+    after: bool = False  # ... and it must have been given before them, where the times are known
+    each: bool = False  # each count needs one of the other item; of `Item.unless`: each one takes one count away
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,7 @@ class Item:
     least: Number = None  # limits of the points of it and of all that hangs under it
     most: Number = None
     each: bool = False  # each time has limits and modifiers of its own
+    share_of_all: bool = False  # the percentage of such a time is of what the items under it left, too
     low: Number = None  # limits of a number or a rating that can be entered
     high: Number = None
     seconds: Decimal = Decimal(1)  # of `Measure.CLOCK`: so many full seconds are one time
@@ -81,6 +83,7 @@ class Item:
     needs: Tuple[Condition, ...] = ()  # it counts only if all of these are given
     unless: Tuple[Condition, ...] = ()  # it does not count if one of these is given
     withholds: Tuple[str, ...] = ()  # ids of items that do not count if it is given
+    for_team: bool = False  # the team gets its points whichever attempt counts: they are not part of the sheet's
     tags: Tuple[str, ...] = ()
 
 

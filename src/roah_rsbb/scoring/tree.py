@@ -77,6 +77,7 @@ class Worth(NamedTuple):
     steps: Tuple[str, ...]
     void: Mapping[int, str]  # marks that do not count, by their place in the course, and why
     replaces: bool  # the attempts before this one do not count
+    charged: Fraction = ZERO  # points that the team gets whichever attempt counts; not in the total
 
 
 def count(sheet: Sheet, course: Course) -> Worth:
@@ -85,7 +86,7 @@ def count(sheet: Sheet, course: Course) -> Worth:
     steps, void = run.go_through()
     tree = _Tree(sheet, run.left(void), run.decided, course)
     total = tree.total()
-    return Worth(total, tree.points, tree.own, tree.amounts(), (*steps, *tree.steps), void, run.replaces)
+    return Worth(total, tree.points, tree.own, tree.amounts(), (*steps, *tree.steps), void, run.replaces, tree.charged)
 
 
 def void_marks(sheet: Sheet, course: Course) -> Mapping[int, str]:
@@ -227,7 +228,7 @@ class _Run:
 
     def _so_far(self, at_s: Optional[Fraction], net: bool) -> Fraction:
         """Return the points until a time: without penalties, unless they count."""
-        marks = [mark for index, mark in enumerate(self._marks) if index not in self._void
+        marks = [mark for index, mark in enumerate(self._marks) if index not in self._void and (net or mark.number > 0)
                  and (at_s is None or (mark.at_s is not None and mark.at_s <= at_s))]
         sheet = self.sheet if net else replace(self.sheet, items=tuple(map(_without_penalty, self.sheet.items)))
         return _Tree(sheet, marks, {}, self.course).total()
@@ -250,7 +251,7 @@ class _Run:
     def _scored_after(self, at_s: Optional[Fraction]) -> bool:
         """Whether points were scored after a time."""
         return at_s is not None and any(
-            mark.at_s is not None and mark.at_s > at_s and index not in self._void
+            (mark.at_s is None or mark.at_s > at_s) and index not in self._void
             and not _is_penalty(self._item(mark.item)) for index, mark in enumerate(self._marks))
 
 
@@ -336,10 +337,14 @@ class _Tree:
         for item_id, (number, text) in decided.items():
             self._times[item_id] = _Times(((Fraction(number), ONE),) if number else ())
             self._texts[item_id] = text
-        self._order = [mark.item for mark in marks for _ in range(max(1, int(mark.number)))]
+        self._order = [(mark.item, mark.at_s) for mark in marks for _ in range(max(1, int(mark.number)))]
+        # What the referee has taken away already.
+        self._refused = {item_id: sum((mark.number for mark in course.marks if mark.refused and mark.item == item_id),
+                                      ZERO) for item_id in {mark.item for mark in course.marks if mark.refused}}
         self._withheld = {item_id: item for item in sheet.items for item_id in item.withholds}
         self.points: Dict[str, Fraction] = {}
         self.own: Dict[str, Fraction] = {}
+        self.charged = ZERO
         self.steps: List[str] = []
 
     def amounts(self) -> Dict[str, Fraction]:
@@ -348,7 +353,7 @@ class _Tree:
 
     def total(self) -> Fraction:
         """Return the points of the sheet."""
-        return sum((self._points(item) for item in self._under.get("", ())), ZERO)
+        return sum((self._term(item, ZERO) for item in self._under.get("", ())), ZERO)
 
     def _enter(self, mark: SheetMark) -> None:
         item, before = self._items[mark.item], self._times.get(mark.item, _Times())
@@ -390,7 +395,7 @@ class _Tree:
             if condition.since <= 1 and not condition.each and not self._met(condition):
                 return LACKS(item=item.name, needs=self._named(condition))
         for condition in item.unless:
-            if self._met(condition):
+            if not condition.each and self._met(condition):
                 return BARRED(item=item.name, other=self._named(condition))
         return ""
 
@@ -407,12 +412,31 @@ class _Tree:
             return _Times()
         if item.times is not None:
             times = times.at_most(Fraction(item.times))
+        for condition in item.unless:
+            if condition.each:
+                taken = self._counting(self._items[condition.item]).numbers() - self._refused.get(item.id, ZERO)
+                times = times.at_most(max(ZERO, times.numbers() - max(ZERO, taken)))
         for condition in item.needs:
             if condition.each:
                 times = times.at_most(self._counting(self._items[condition.item]).numbers())
-            elif condition.since > 1 and not self._met(condition):
-                times = times.at_most(Fraction(condition.since - 1))
+            elif condition.since > 1:
+                early = times.numbers() if not self._met(condition) else self._before(item, condition)
+                times = times.at_most(max(Fraction(condition.since - 1), times.numbers() - early))
         return times
+
+    def _before(self, item: Item, condition: Condition) -> int:
+        """Return how many counts of an item were made before what they need, from the count on that needs it."""
+        if not condition.after:
+            return 0
+        needed = self._all_under(condition.item)
+        begin = min((at_s or ZERO for item_id, at_s in self._order if item_id in needed), default=ZERO)
+        moments = [at_s for item_id, at_s in self._order if item_id == item.id]
+        return sum(at_s is not None and at_s < begin for at_s in moments[condition.since - 1:])
+
+    def _all_under(self, item_id: str) -> List[str]:
+        """Return the ids of an item and of all that hangs under it."""
+        below = [each for child in self._under.get(item_id, ()) for each in self._all_under(child.id)]
+        return [item_id, *below]
 
     # -- points -------------------------------------------------------------------------------------
 
@@ -427,10 +451,18 @@ class _Tree:
             terms = [] if item.amount is Measure.SECTION else [self._own(item, times)]
             self.own[item.id] = sum(terms, ZERO)
             for child in () if self._barred(item) else self._under.get(item.id, ()):
-                terms.append(self._points(child) if child.percent is None else self._share_of(child, sum(terms, ZERO)))
+                terms.append(self._term(child, sum(terms, ZERO)))
             points = self._limited(item, terms)
         self.points[item.id] = points
         return points
+
+    def _term(self, item: Item, base: Fraction) -> Fraction:
+        """Return what an item adds to what the items before it left."""
+        points = self._points(item) if item.percent is None else self._share_of(item, base)
+        if not item.for_team:
+            return points
+        self.charged += points
+        return ZERO
 
     def _own(self, item: Item, times: _Times) -> Fraction:
         if item.amount is Measure.CHOICE:
@@ -471,7 +503,7 @@ class _Tree:
         modifiers = self._by_time(item, len(singles))
         points = ZERO
         for share, modifying in zip(singles, modifiers):
-            terms = [Fraction(item.points or 0) * share]
+            terms = [Fraction(item.points or 0) * (ONE if item.share_of_all else share)]
             self._add_own(item, terms[0])
             for child in self._under.get(item.id, ()):
                 worth = _Times(tuple((ONE, each) for each in modifying.get(child.id, ())))
@@ -479,6 +511,9 @@ class _Tree:
                     terms.append(Fraction(child.points or 0) * worth.total() if child.percent is None
                                  else self._percentage(child, worth, sum(terms, ZERO)))
                     self._add_own(child, terms[-1])
+            if item.share_of_all:
+                terms.append(sum(terms, ZERO) * (share - 1))
+                self._add_own(item, terms[-1])
             points += self._limited(item, terms)
         return points
 
@@ -491,7 +526,7 @@ class _Tree:
         found: List[Dict[str, List[Fraction]]] = [{} for _ in range(count)]
         left = {child.id: self._counting(child).singly() for child in self._under.get(item.id, ())}
         seen = 0
-        for item_id in self._order:
+        for item_id, _ in self._order:
             if item_id == item.id:
                 seen = min(seen + 1, count)
             elif left.get(item_id) and count:

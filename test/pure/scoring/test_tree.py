@@ -1,0 +1,86 @@
+"""What a sheet is worth: rows that depend on other rows, and on when they were marked."""
+
+from decimal import Decimal
+from fractions import Fraction
+
+import pytest
+
+from roah_rsbb.model.rules import Condition, Incident, Item, Measure, Sheet, Voids
+from roah_rsbb.scoring.tree import Course, Happened, SheetMark, count
+
+
+def row(name, points, times=None, under="", **values):
+    return Item(name, name, under, points=Decimal(points), times=times, **values)
+
+
+def mark(item, number=1, at=None, share=1, **values):
+    return SheetMark(item, Fraction(number), Fraction(share), at_s=None if at is None else Fraction(at), **values)
+
+
+def worth(items, *marks, incidents=(), happened=(), **values):
+    return count(Sheet(tuple(items), tuple(incidents)), Course(tuple(marks), tuple(happened), **values))
+
+
+UNDERSTANDS = (row("understands", 80, 3, unless=(Condition("bypassed", each=True),)), row("bypassed", -50, 3))
+
+
+@pytest.mark.parametrize("marks, points", [
+    ([mark("understands", 3)], 240),
+    ([mark("understands", 3), mark("bypassed")], 240 - 80 - 50),
+    ([mark("understands"), mark("bypassed", 3)], -150),
+    # What the referee has refused is not taken away again.
+    ([mark("understands", 2), mark("understands", refused="typed"), mark("bypassed")], 160 - 50),
+])
+def test_each_count_of_another_row_takes_one_count_away(marks, points):
+    assert worth(UNDERSTANDS, *marks).total == points
+
+
+DOOR = (row("door", 200, 2, needs=(Condition("inside", since=2, after=True),)),
+        Item("inside", "inside", amount=Measure.SECTION), row("plate", 70, 3, "inside"))
+
+
+@pytest.mark.parametrize("marks, points", [
+    ([mark("door", 2)], 200),
+    ([mark("door", 2), mark("plate")], 470),
+    ([mark("door", at=10), mark("plate", at=20), mark("door", at=30)], 470),
+    ([mark("door", at=10), mark("door", at=20), mark("plate", at=30)], 270),
+    ([mark("door", at=10), mark("door"), mark("plate", at=30)], 470),
+])
+def test_a_later_count_needs_another_row_before_it(marks, points):
+    assert worth(DOOR, *marks).total == points
+
+
+SOLVED = (Item("solved", "solved", amount=Measure.PERCENT, points=Decimal(650), each=True, share_of_all=True),
+          row("again", -300, None, "solved"),
+          Item("help", "help", "solved", amount=Measure.PERCENT, percent=Decimal(-100)))
+
+
+@pytest.mark.parametrize("marks, points", [
+    # Repetition first, then the percentage.
+    ([mark("solved", share=Fraction(1, 2)), mark("again")], Fraction(650 - 300) / 2),
+    ([mark("solved"), mark("help", share=Fraction(3, 5))], 260),
+    ([mark("solved", 2), mark("again"), mark("help", 2, share=Fraction(3, 5))], 260 + 140),
+])
+def test_the_percentage_of_a_time_is_of_what_is_left(marks, points):
+    assert worth(SOLVED, *marks).total == points
+
+
+def test_points_for_the_team_are_not_part_of_the_sheet():
+    found = worth([row("done", 10), row("absent", -500, for_team=True)], mark("done"), mark("absent"))
+    assert (found.total, found.charged) == (10, -500)
+
+
+@pytest.mark.parametrize("net, points", [(False, 50 - 20 + 10), (True, 10)])
+def test_points_that_limit_an_incident_without_and_with_penalties(net, points):
+    items = [row("done", 10), Item("free", "free", amount=Measure.POINTS, points=Decimal(1))]
+    marks = mark("free", 50, at=5), mark("free", -20, at=5), mark("done", at=20)
+    rule = Incident("restart", below=Decimal(40), net=net, voids=Voids.EARLIER)
+    assert worth(items, *marks, incidents=[rule], happened=[Happened("restart", Fraction(10))]).total == points
+
+
+@pytest.mark.parametrize("at, points", [(None, 60), (20, 60), (5, 110)])
+def test_an_incident_costs_points_only_if_some_were_scored_afterwards(at, points):
+    items = row("done", 110), row("restarted", -50)
+    rule = Incident("restart", marks="restarted", scored_after=True)
+    found = worth(items, mark("done", at=at), incidents=[rule], happened=[Happened("restart", Fraction(10))])
+    assert found.total == points
