@@ -155,6 +155,9 @@ class Sheet:
     limit_s: Number = None  # counted seconds; marks after it are late and do not count. None: no limit
 
 
+NO_SHEET = Sheet()
+
+
 class Scale(enum.Enum):
     """How numbers of several tests become comparable."""
 

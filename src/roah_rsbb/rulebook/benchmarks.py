@@ -5,6 +5,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Dict, FrozenSet, List, Optional, Tuple
 
+from roah_rsbb.model.rules import NO_SHEET, Decision, Sheet
 from roah_rsbb.model.scoring import NO_SHEET_RULES, JudgesRule, ScoringItem, SheetForm, SheetRules
 from roah_rsbb.rulebook.errors import Place
 from roah_rsbb.rulebook.registry import PROFILES, STRINGS, BenchmarkKind, Profile, profile_of
@@ -86,6 +87,7 @@ class Benchmark:
     about: Tuple[Tuple[str, str], ...] = ()  # what spectators read of it: languages and texts
     judges: Optional[JudgesRule] = None  # None: the referee scores
     objection_time: float = 0.0  # seconds after the result is published; 0.0: no such rule
+    sheet: Sheet = NO_SHEET  # its score sheet, and what may happen in its runs
 
     @property
     def form(self) -> SheetForm:
@@ -155,6 +157,7 @@ class Config:
     ranking: StandingRules = field(default_factory=StandingRules)  # how runs compare
     durable: Durable = Durable.ONE
     time_zone: str = ""  # of the venue: `wording.times.zone_of`; empty: that of each computer
+    decisions: Tuple[Decision, ...] = ()  # what the rules leave to people
     durable_at: Optional[Place] = field(default=None, compare=False)  # where the schedule says so; None: nowhere
 
 

@@ -7,9 +7,11 @@ the configuration is not used. A name whose definition has an error is not repor
 import re
 import shlex
 from dataclasses import replace
+from decimal import Decimal
 from typing import Any, Dict, FrozenSet, List, Optional, Set, Tuple
 
 from roah_rsbb.ground import linux
+from roah_rsbb.model.rules import NO_SHEET, Decision
 from roah_rsbb.model.scoring import Agreement, JudgesRule
 from roah_rsbb.rulebook.benchmarks import (
     ALL_TEAMS,
@@ -25,10 +27,12 @@ from roah_rsbb.rulebook.benchmarks import (
     ScheduledEvent,
     ZonePlan,
 )
+from roah_rsbb.rulebook.decisions import resolved
 from roah_rsbb.rulebook.errors import ConfigError, ConfigErrors, Place, Report, line_list, quote
 from roah_rsbb.rulebook.event_ids import VALID, adopted, known_by
 from roah_rsbb.rulebook.registry import CODE, PROFILES, USES, BenchmarkKind, Profile, new_profile
-from roah_rsbb.rulebook.scoring_section import MAX_JUDGES, ScoringSection
+from roah_rsbb.rulebook.scoring_section import ScoringSection
+from roah_rsbb.rulebook.sheet_file import MAX_JUDGES, read_sheet
 from roah_rsbb.rulebook.yaml_fields import choice, describe, fields, integer, number, sequence, text, utc_time
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable, read_yaml
 from roah_rsbb.wording.texts import nearest, twins
@@ -49,7 +53,8 @@ def load(benchmarks_file: str, schedule_file: str, passwords_file: str) -> Tuple
     report.raise_errors()
     settings = schedule.settings
     return Config(benchmarks.by_code, passwords.by_team, schedule.zones, durable=settings.durable,
-                  durable_at=settings.durable_at, time_zone=settings.time_zone), report.warnings
+                  durable_at=settings.durable_at, time_zone=settings.time_zone,
+                  decisions=benchmarks.decisions()), report.warnings
 
 
 def load_benchmarks(benchmarks_file: str) -> Dict[str, Benchmark]:
@@ -87,7 +92,7 @@ _BENCHMARK_OPTIONAL = {
     "setup_time": "120", "attempts": "2", "attempt_counts": "best", "restarts": "clock runs", "pause": "allowed",
     "phases": "[...]", "no_show": "zero",
     "timed_out_goal": "completed", "about": "The robot explores the home.",
-    "judges": "2", "objection_time": "900",
+    "judges": "2", "objection_time": "900", "sheet": "[...]", "incidents": "{restart: {times: 1}}",
 }
 # Spectators read it on a screen, so it must be short.
 _MAX_ABOUT_BYTES = 300
@@ -128,7 +133,7 @@ class BenchmarksFile:
         self._report = report
         self._places: Dict[str, Place] = {}
         what = "the benchmarks file (parameter benchmarks_file)"
-        root = read_yaml(path, report, what, f"a sequence of {_BENCHMARKS_SHAPE}")
+        root, self.decided = resolved(report, read_yaml(path, report, what, f"a sequence of {_BENCHMARKS_SHAPE}"), path)
         entries = sequence(report, root, "the file's content", _BENCHMARKS_SHAPE)
         if entries is None:
             return
@@ -136,6 +141,10 @@ class BenchmarksFile:
         # If a code or key is repeated, or a code is missing, the author may have meant another code.
         doubtful = None in found or len(set(found)) < len(found)
         self.codes = None if doubtful else {code for code in found if code}
+
+    def decisions(self) -> Tuple[Decision, ...]:
+        """Return what the file leaves to people."""
+        return tuple(dict.fromkeys(each.decision for each in self.decided))
 
     def _entry(self, node: Node) -> Optional[str]:
         """Read one benchmark. Return its code if the code itself has no error, even if other fields have."""
@@ -150,10 +159,17 @@ class BenchmarksFile:
         timeout = _timeout(report, got, "timeout")
         total = _timeout(report, got, "total_timeout") if "total_timeout" in got else timeout
         judges = self._judges(got["judges"]) if "judges" in got else None
-        scoring = ScoringSection(report, got.get("scoring"), judges.count if judges else 0)
-        if "judges" in got and "scoring" not in got:
-            report.error(got["judges"].place, "judges in a benchmark without 'scoring'",
-                         "scoring items that they judge, or no key 'judges'")
+        sheets = judges.count if judges else 0
+        scoring = ScoringSection(report, got.get("scoring"), sheets)
+        limit_s = None if total is None or total == NO_LIMIT else Decimal(str(total))
+        sheet = read_sheet(report, got.get("sheet"), got.get("incidents"), limit_s, sheets)
+        if "judges" in got and not {"scoring", "sheet"} & got.keys():
+            report.error(got["judges"].place, "judges in a benchmark without 'sheet'",
+                         "a sheet that they fill in, or no key 'judges'")
+        for key in ("sheet", "incidents"):
+            if key in got and "scoring" in got:
+                report.error(got[key].place, f"{key} and scoring in one benchmark", "either of them")
+                break
         objection_time = _timeout(report, got, "objection_time", infinity="") if "objection_time" in got else 0.0
         rules = self._rules(got, None if profile is None else profile.kind)
         about = self._about(got["about"]) if "about" in got else ()
@@ -174,7 +190,7 @@ class BenchmarksFile:
             if name is not None and desc is not None and profile is not None and rules is not None:
                 self.by_code[code] = Benchmark(
                     code, name, desc, timeout, total, scoring.items, profile, rules, scoring.rules, about, judges,
-                    objection_time or 0.0)
+                    objection_time or 0.0, sheet if "sheet" in got or "incidents" in got else NO_SHEET)
                 self._warn_of_limits(self.by_code[code], got)
         return code if isinstance(node, Mapping) and node.whole else None
 

@@ -161,6 +161,12 @@ def known(texts: Mapping[str, str]) -> Iterator[None]:
         _KNOWN.reset(token)
 
 
+def is_known(path: str, beside: str) -> bool:
+    """Whether a file that may be missing is there: among the known texts, if the one beside it is, else on the disk."""
+    texts = _KNOWN.get({})
+    return path in texts if beside in texts else path in texts or os.path.lexists(path)
+
+
 def read_bytes(path: str, what: str) -> bytes:
     """Read a file up to `MAX_BYTES`. Raises `CannotRead`."""
     whole = Place(path, 0, 0)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from decimal import Decimal
 from typing import Dict, List, NamedTuple, Optional, Set, Tuple
 
-from roah_rsbb.model.rules import ItemChoice, JuryResult
+from roah_rsbb.model.rules import JuryResult
 from roah_rsbb.model.scoring import (
     MAX_NUMBER,
     MAX_VALUE,
@@ -20,11 +20,10 @@ from roah_rsbb.model.scoring import (
     TimeLeft,
 )
 from roah_rsbb.rulebook.errors import Place, Report, listing, quote
+from roah_rsbb.rulebook.sheet_file import choices_of, ends, judges_of
 from roah_rsbb.rulebook.yaml_fields import choice, describe, exact, fields, integer, sequence, text
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable
 from roah_rsbb.wording.texts import did_you_mean
-
-MAX_JUDGES = 20
 
 _ITEMS_SHAPE = "items '- {type: bool, desc: ...}'"
 _GROUPS_SHAPE = "groups '- Achievements: [...]', or no key 'scoring'"
@@ -80,7 +79,7 @@ class ScoringSection:
         else:
             self._groups(node)
         self._resolve_needs()
-        least, most = self._range(got, "the sheet")
+        least, most = ends(report, got, "the sheet")
         time_left = self._time_left(got["time_left"]) if "time_left" in got else None
         self.items = tuple(self._items.values())
         self.rules = SheetRules(tuple(limits for limits, _ in self._limits), least, most, time_left)
@@ -103,7 +102,7 @@ class ScoringSection:
         what = f"items of the scoring group {quote(key.text)}"
         if isinstance(node, Mapping):
             got = fields(self._report, node, f"the scoring group {quote(key.text)}", _GROUP, _GROUP_OPTIONAL) or {}
-            least, most = self._range(got, f"the scoring group {quote(key.text)}")
+            least, most = ends(self._report, got, f"the scoring group {quote(key.text)}")
             if name is not None and (least is not None or most is not None):
                 found = f"limits of the scoring group {quote(name)} a second time"
                 self._report.once(self._group_places, name, node.place, found, "limits of each group once")
@@ -151,8 +150,9 @@ class ScoringSection:
     def _values(self, got: Dict[str, Node], kind: ScoreKind) -> ScoringItem:
         """Read what an item takes, and its points."""
         report = self._report
-        is_count = kind is ScoreKind.UINT
-        least, most = self._range(got, "the item", whole=is_count or kind is ScoreKind.INT, above_zero=is_count)
+        is_whole = kind in (ScoreKind.UINT, ScoreKind.INT)
+        least, most = self._whole_range(got, 1 if kind is ScoreKind.UINT else -MAX_VALUE) if is_whole else \
+            ends(report, got, "the item")
         if kind is ScoreKind.RATING and least is None:
             least = Decimal(0)
             if most is not None and most <= 0 and "min" not in got:
@@ -163,73 +163,17 @@ class ScoringSection:
             jury = JuryResult(choice(report, got["jury"], "jury", _JURY, "how ratings become one") or "mean")
         return ScoringItem(
             "", "", kind, exact(report, got.get("points"), "points", -MAX_NUMBER, MAX_NUMBER), least, most,
-            self._choices(got["choices"]) if "choices" in got else (),
-            self._item_judges(got, kind), jury,
+            choices_of(report, got["choices"]) if "choices" in got else (),
+            judges_of(report, got, kind is ScoreKind.RATING, self._sheets), jury,
         )
 
-    def _range(
-        self, got: Dict[str, Node], what: str, whole: bool = False, above_zero: bool = False
-    ) -> Tuple[Optional[Decimal], Optional[Decimal]]:
-        """Read the keys min and max."""
-        ends: List[Optional[Decimal]] = []
-        for key in ("min", "max"):
-            if whole:
-                low = 1 if above_zero else -MAX_VALUE
-                number = integer(self._report, got.get(key), key, low, MAX_VALUE)
-                ends.append(None if number is None else Decimal(number))
-            else:
-                ends.append(exact(self._report, got.get(key), key, -MAX_NUMBER, MAX_NUMBER))
-        least, most = ends
-        if least is not None and most is not None and least >= most:
-            self._report.error(got["max"].place, f"max {most} of {what}, whose min is {least}", "a max above the min")
-        return least, most
-
-    def _choices(self, node: Node) -> Tuple[ItemChoice, ...]:
-        """Read choices with points (a map), or without (a sequence)."""
-        report = self._report
-        if isinstance(node, Mapping) and len(node.pairs) > 1:
-            found = [
-                (text(report, key, "a choice"), exact(report, value, f"points of {quote(key.text)}", -MAX_NUMBER,
-                                                      MAX_NUMBER))
-                for key, value in node.pairs
-            ]
-            return tuple(ItemChoice(name, points) for name, points in found if name is not None)
-        if isinstance(node, Sequence) and len(node.items) > 1:
-            places: Dict[str, Place] = {}
-            for each in node.items:
-                name = text(report, each, "a choice")
-                if name is not None:
-                    report.once(places, name, each.place, f"the choice {quote(name)} again", "each choice once")
-            return tuple(map(ItemChoice, places))
-        if not isinstance(node, Unusable):
-            report.error(node.place, f"{describe(node)} as choices" if isinstance(node, Scalar) else "too few choices",
-                         "two or more, such as '{fully: 20, partly: 10}' or, without points, '[fully, partly]'")
-        return ()
-
-    def _item_judges(self, got: Dict[str, Node], kind: ScoreKind) -> Tuple[str, ...]:
-        """Read the judges of a rating. In a benchmark with judges, each of them rates."""
-        if "judges" not in got:
-            return tuple(str(i) for i in range(1, self._sheets + 1)) if kind is ScoreKind.RATING else ()
-        judges = self._judges(got["judges"])
-        if self._sheets and judges and len(judges) != self._sheets:
-            self._report.error(got["judges"].place, f"{len(judges)} judges of a rating in a benchmark with "
-                               f"{self._sheets} judges", "no key 'judges' in the item: each judge rates it")
-        return judges
-
-    def _judges(self, node: Node) -> Tuple[str, ...]:
-        """Read the names of judges, or their number: then they are called 1, 2 and so on."""
-        report = self._report
-        if not isinstance(node, Sequence):
-            number = integer(report, node, "judges", 1, MAX_JUDGES)
-            return tuple(str(i) for i in range(1, (number or 0) + 1))
-        if not 1 <= len(node.items) <= MAX_JUDGES:
-            report.error(node.place, f"{len(node.items)} judges", f"from 1 to {MAX_JUDGES}")
-        places: Dict[str, Place] = {}
-        for each in node.items:
-            name = text(report, each, "a judge")
-            if name is not None:
-                report.once(places, name, each.place, f"the judge {quote(name)} again", "each judge once")
-        return tuple(places)
+    def _whole_range(self, got: Dict[str, Node], least: int) -> Tuple[Optional[Decimal], Optional[Decimal]]:
+        """Read the keys min and max of an item whose values are whole numbers."""
+        numbers = [integer(self._report, got.get(key), key, least, MAX_VALUE) for key in ("min", "max")]
+        low, high = (None if number is None else Decimal(number) for number in numbers)
+        if low is not None and high is not None and low >= high:
+            self._report.error(got["max"].place, f"max {high} of the item, whose min is {low}", "a max above the min")
+        return low, high
 
     # -- references to other items ------------------------------------------------------------------
 

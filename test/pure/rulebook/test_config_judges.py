@@ -44,7 +44,7 @@ def test_the_time_for_objections(files):
     ("  judges: {rule: majority}\n" + ITEMS, "judges of a benchmark without count", "something like 'count: 2'"),
     ("  judges: {count: 2, rule: mode}\n" + ITEMS, "'mode' as rule of judges of a benchmark",
      "how their sheets become one"),
-    ("  judges: 2\n", "judges in a benchmark without 'scoring'", "scoring items that they judge"),
+    ("  judges: 2\n", "judges in a benchmark without 'sheet'", "a sheet that they fill in"),
     ("  judges: 2\n  scoring:\n    - G:\n        - {type: rating, desc: Show, max: 10, judges: 3}\n",
      "3 judges of a rating in a benchmark with 2 judges", "no key 'judges' in the item"),
     ("  objection_time: -1\n" + ITEMS, "the number '-1' as objection_time", "seconds"),

@@ -1,0 +1,247 @@
+"""The keys `sheet` and `incidents` of a benchmark."""
+
+from decimal import Decimal
+
+import pytest
+
+from helpers.config_files import line_of
+from roah_rsbb.model.rules import Condition, Incident, Item, ItemChoice, JuryResult, Measure, Voids
+from roah_rsbb.rulebook.config import load_benchmarks
+from roah_rsbb.rulebook.errors import ConfigErrors, known
+
+HEAD = """\
+- name: Test 1
+  desc: Carry out spoken commands
+  code: Commands
+  kind: task
+  timeout: 420
+"""
+TEXT = HEAD + """\
+  sheet:
+    - section: Test
+      min: 0
+      items:
+        - section: Main goal
+          items:
+            - item: Understands the command
+              id: 0
+              points: 80
+              times: 3
+              min: 0
+              items:
+                - { item: With a custom operator, points: -20, times: 3 }
+                - { item: Asks again, points: -30, times: 6 }
+            - { item: Solves the first command, points: 250, amount: percent, tags: [planning, speech] }
+            - item: All at once
+              points: 200
+              needs: [Understands the command, {item: How they came, is: all at once}]
+            - { item: How they came, choices: [all at once, one by one] }
+        - { item: Bumps into something, percent: -5, times: 4, compounding: yes }
+    - section: Special
+      items: [ { item: Not attending, points: -500 }, { item: Cheating, points: -500, withholds: Main goal } ]
+  incidents:
+    restart: { times: 1, below: 40, voids: earlier, until: restarted }
+    inactive: { }
+    removed: { of: inactive, after: 30, until: active again, longer_by: longer time, longer: 180, requests: 1,
+               voids: later }
+    absent: { marks: Not attending, unless: { fact: announced min before, least: 60 } }
+    extra run: { when: audience interference, voids: earlier runs }
+"""
+
+
+def _read(text, **others):
+    with known({"benchmarks.yaml": text, **{f"{name}.yaml": each for name, each in others.items()}}):
+        return load_benchmarks("benchmarks.yaml")["Commands"].sheet
+
+
+def _of(*rows, incidents="", head=HEAD):
+    """The text of a benchmark with these rows."""
+    lines = "".join(f"    - {row}\n" for row in rows)
+    return f"{head}  sheet:\n{lines}" + (f"  incidents:\n    {incidents}\n" if incidents else "")
+
+
+def test_a_tree_of_items():
+    sheet = _read(TEXT)
+    D = Decimal
+    assert sheet.limit_s == 420
+    assert [(item.id, item.under) for item in sheet.items] == [
+        ("Test", ""), ("Main goal", "Test"), ("0", "Main goal"), ("With a custom operator", "0"), ("Asks again", "0"),
+        ("Solves the first command", "Main goal"), ("All at once", "Main goal"), ("How they came", "Main goal"),
+        ("Bumps into something", "Test"), ("Special", ""), ("Not attending", "Special"), ("Cheating", "Special")]
+    by_id = {item.id: item for item in sheet.items}
+    assert by_id["Test"] == Item("Test", "Test", amount=Measure.SECTION, least=D(0))
+    assert by_id["0"] == Item("0", "Understands the command", "Main goal", points=D(80), times=3, least=D(0))
+    assert by_id["Asks again"] == Item("Asks again", "Asks again", "0", points=D(-30), times=6)
+    assert by_id["Solves the first command"] == Item(
+        "Solves the first command", "Solves the first command", "Main goal", Measure.PERCENT, D(250), times=1,
+        tags=("planning", "speech"))
+    assert by_id["All at once"].needs == (Condition("0"), Condition("How they came", text="all at once"))
+    assert by_id["All at once"].amount is Measure.YES
+    assert by_id["How they came"].choices == (ItemChoice("all at once"), ItemChoice("one by one"))
+    bumps = by_id["Bumps into something"]
+    assert (bumps.points, bumps.percent, bumps.compounding, bumps.times) == (None, D(-5), True, 4)
+    assert by_id["Cheating"].withholds == ("Main goal",)
+
+
+def test_incidents():
+    assert _read(TEXT).incidents == (
+        Incident("restart", times=1, below=Decimal(40), voids=Voids.EARLIER, ends="restarted"),
+        Incident("restarted"),
+        Incident("inactive"),
+        Incident("removed", of="inactive", after=Decimal(30), ends="active again", longer_by="longer time",
+                 longer=Decimal(180), requests=1, voids=Voids.LATER),
+        Incident("active again"),
+        Incident("longer time"),
+        Incident("absent", marks="Not attending", unless=(Condition("announced min before", Decimal(60)),)),
+        Incident("extra run", when=(Condition("audience interference"),), voids=Voids.EARLIER_RUNS),
+    )
+
+
+@pytest.mark.parametrize("row, expected", [
+    ("item: a", Item("a", "a", amount=Measure.YES, times=1)),
+    ("item: a, times: 1", Item("a", "a", amount=Measure.YES, times=1)),
+    ("item: a, times: 2", Item("a", "a", times=2)),
+    ("item: a, times: unlimited, each: yes", Item("a", "a", each=True)),
+    ("item: a, amount: count", Item("a", "a", times=1)),
+    ("item: a, amount: number, from: -1, to: 2.5, points: .5",
+     Item("a", "a", amount=Measure.NUMBER, points=Decimal("0.5"), low=Decimal(-1), high=Decimal("2.5"))),
+    ("item: a, amount: percent, times: unlimited, percent: -40",
+     Item("a", "a", amount=Measure.PERCENT, percent=Decimal(-40))),
+    ("item: a, amount: points, to: 149", Item("a", "a", amount=Measure.POINTS, points=Decimal(1), high=Decimal(149))),
+    ("item: a, choices: {fully: 20, partly: 10}", Item("a", "a", amount=Measure.CHOICE, choices=(
+        ItemChoice("fully", Decimal(20)), ItemChoice("partly", Decimal(10))))),
+    ("item: a, amount: clock, points: 1, seconds: 10, max: 60",
+     Item("a", "a", amount=Measure.CLOCK, points=Decimal(1), seconds=Decimal(10), most=Decimal(60))),
+    ("item: a, judges: 2, to: 10, jury: median, points: 2",
+     Item("a", "a", amount=Measure.RATING, points=Decimal(2), low=Decimal(0), high=Decimal(10), judges=("1", "2"),
+          jury=JuryResult.MEDIAN)),
+    ("section: a, max: 9", Item("a", "a", amount=Measure.SECTION, most=Decimal(9))),
+    ("item: a, id: 7, points: 1", Item("7", "a", amount=Measure.YES, points=Decimal(1), times=1)),
+])
+def test_a_row(row, expected):
+    assert _read(_of(f"{{{row}}}")).items == (expected,)
+
+
+@pytest.mark.parametrize("needs, expected", [
+    ("a", (Condition("a"),)),
+    ("[a, 3]", (Condition("a"), Condition("3"))),
+    ("{item: a, least: 2}", (Condition("a", Decimal(2)),)),
+    ("[{item: a, since: 2}, {item: b, each: yes}]", (Condition("a", since=2), Condition("3", each=True))),
+])
+def test_conditions(needs, expected):
+    sheet = _read(_of("{item: a, times: 3}", "{item: b, id: 3}", f"{{item: c, needs: {needs}}}"))
+    assert sheet.items[2].needs == expected
+
+
+def test_rows_with_one_name_are_told_apart_by_ids():
+    assert [each.id for each in _read(_of("{item: Custom}", "{item: Custom, id: 12}")).items] == ["Custom", "12"]
+
+
+MISTAKES = [
+    # The row, what was found, what was expected.
+    ("{item: a, point: 5}", "the unknown key 'point' in an item", "did you mean 'points'"),
+    ("{items: []}", "a row without a name", "rows '- {item:"),
+    ("{item: x}", "a second row called 'x'", "an 'id' that only this row has: it is already in line 7"),
+    ("{item: a, id: x}", "the id 'x' again", "each id once"),
+    ("{item: a, amount: counts}", "the text 'counts' as amount", "did you mean 'count'"),
+    ("{item: a, times: 2, amount: yes or no}", "times in an item with the amount 'yes or no'", "'count'"),
+    ("{item: a, times: often}", "the text 'often' as times", "a whole number, or 'unlimited'"),
+    ("{item: a, points: 1, percent: 2}", "percent and points", "one of them"),
+    ("{item: a, points: 1, compounding: yes}", "compounding in an item without percent", "a percent"),
+    ("{item: a, choices: [b, c], points: 2}",
+     "the key 'points' in an item with the amount 'choice'", "the points of each"),
+    ("{item: a, seconds: 2}", "the key 'seconds' in an item with the amount 'yes or no'", "'points'"),
+    ("{item: a, amount: choice}", "an item with the amount 'choice' without choices", "choices: {fully"),
+    ("{item: a, judges: 2}", "an item with the amount 'rating' without to", "to: 10"),
+    ("{item: a, min: 2, max: 1}", "max 1 of 'a', whose min is 2", "a max above the min"),
+    ("{item: a, amount: number, from: 2, to: 1}", "to 1 of 'a', whose from is 2", "a to above the from"),
+    ("{item: a, needs: y}", "'y' as needs", "there is 'x'"),
+    ("{item: a, needs: {item: x, is: z}}", "'is' of 'x', which has no choices", "an item with choices"),
+    ("{item: a, choices: [k, l], items: [{item: b, needs: {item: a, is: m}}]}",
+     "the text 'm' as is", "one of its choices"),
+    ("{item: a, unless: {item: x, since: 2}}", "since in unless", "since in needs only"),
+    ("{item: a, needs: a}", "conditions that depend on each other: 'a'", "without 'needs'"),
+    ("{section: a, items: [{item: b, needs: a}]}",
+     "conditions that depend on each other: 'a', 'b'", "one of these rows"),
+    ("{item: a, needs: c, items: [{item: c}]}", "conditions that depend on each other: 'c'", "one of these rows"),
+    ("{item: a, withholds: b, items: [{item: b, withholds: a}]}", "conditions that depend on each other: 'a', 'b'", ""),
+    ("{item: a, each: yes, times: 2, items: [{item: b, choices: {c: 1, d: 2}}]}",
+     "'b' under 'a'", "counts with points"),
+]
+
+
+@pytest.mark.parametrize("row, found, expected", MISTAKES, ids=[each[1] for each in MISTAKES])
+def test_a_mistake_in_a_row(row, found, expected):
+    with pytest.raises(ConfigErrors) as caught:
+        _read(_of("{item: x}", row))
+    error, = caught.value.errors
+    assert (error.line, error.found[:len(found)]) == (8, found) and expected in error.expected, error
+
+
+INCIDENTS = [
+    ("restart: {time: 1}", "the unknown key 'time' in the incident 'restart'", "did you mean 'times'"),
+    ("restart: {voids: earliest}", "the text 'earliest' as voids", "did you mean 'earlier'"),
+    ("cheating: {marks: Cheatin}", "'Cheatin' as marks", "did you mean 'Cheating'"),
+    ("removed: {of: inactiv, after: 3}", "'inactiv' as of", "another incident"),
+    ("removed: {after: 3}", "after without of", "of: inactive"),
+    ("restart: {net: yes}", "net without below", "below: 40"),
+    ("[restart]", "a sequence ('- item', or [a, b]) as incidents", "restart: {times"),
+]
+
+
+@pytest.mark.parametrize("text, found, expected", INCIDENTS, ids=[each[1] for each in INCIDENTS])
+def test_a_mistake_in_incidents(text, found, expected):
+    with pytest.raises(ConfigErrors) as caught:
+        _read(_of("{item: Cheating}", incidents=text))
+    error, = caught.value.errors
+    assert (error.line, error.found[:len(found)]) == (9, found) and expected in error.expected, error
+
+
+def test_the_time_left_needs_a_limit():
+    with pytest.raises(ConfigErrors, match="the time left as 'a' in a run without a time limit"):
+        _read(_of("{item: a, amount: clock, points: 1}", head=HEAD.replace("420", "no limit")))
+
+
+def test_one_form_of_a_sheet_in_a_benchmark():
+    text = _of("{item: a}") + "  scoring:\n    - G:\n        - {type: bool, desc: a}\n"
+    with pytest.raises(ConfigErrors) as caught:
+        _read(text)
+    assert [(error.line, error.found) for error in caught.value.errors] == [
+        (line_of(text, "- {item: a}"), "sheet and scoring in one benchmark")]
+
+
+# -- decisions --------------------------------------------------------------------------------------
+
+CHOICE = "{item: a, points: {decide: Worth, five: 5, six: 6, none: nothing}}"
+
+
+@pytest.mark.parametrize("chosen, points", [(None, 5), ("five", 5), ("six", 6), ("none", None)])
+def test_a_value_that_is_decided(chosen, points):
+    others = {} if chosen is None else {"decisions": f"Worth: {chosen}\n"}
+    assert _read(_of(CHOICE), **others).items[0].points == points
+
+
+def test_a_reading_may_leave_a_row_out():
+    text = _of("{item: a}", "{decide: With b, no: nothing, yes: {item: b}}")
+    assert [item.id for item in _read(text).items] == ["a"]
+    assert [item.id for item in _read(text, decisions="With b: yes\n").items] == ["a", "b"]
+
+
+def test_choices_of_other_files_are_known(tmp_path):
+    standings = "stages: [{name: {decide: Name, a: A, b: B}}]\n"
+    assert _read(_of(CHOICE), decisions="Name: b\n", standings=standings).items[0].points == 5
+
+
+@pytest.mark.parametrize("rows, decisions, found, expected", [
+    ([CHOICE], "Worthy: six", "the unknown choice 'Worthy'", "did you mean 'Worth'"),
+    ([CHOICE], "Worth: sixx", "the text 'sixx' as reading of 'Worth'", "did you mean 'six'"),
+    ([CHOICE, CHOICE.replace("item: a", "item: b").replace("five", "four")], "",
+     "the choice 'Worth' with the readings 'four', 'six', 'none'", "those of line 7 in their order: 'five'"),
+    (["{item: a, points: {decide: Worth, five: 5}}"], "", "the choice 'Worth' with 1 readings", "two or more"),
+    (["{item: a}"], "Worth: six", "the unknown choice 'Worth'", "there is none"),
+])
+def test_a_mistake_in_decisions(rows, decisions, found, expected):
+    with pytest.raises(ConfigErrors) as caught:
+        _read(_of(*rows), **({"decisions": decisions + "\n"} if decisions else {}))
+    error, = caught.value.errors
+    assert error.found == found and expected in error.expected, error
