@@ -131,7 +131,7 @@ def blank_front(
     """Return the texts of a sheet to be filled in by hand: of an event, or of any run of a benchmark."""
     known = event is not None
     groups: Dict[str, List[ScoringItem]] = {}
-    for item in benchmark.scoring:
+    for item in benchmark.form.items:
         groups.setdefault(item.group, []).append(item)
     return Front(
         benchmark_name(benchmark.code, benchmark.desc or benchmark.name),

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Dict, FrozenSet, List, Optional, Tuple
 
 from roah_rsbb.model.rules import NO_SHEET, Decision, Sheet
-from roah_rsbb.model.scoring import NO_SHEET_RULES, JudgesRule, ScoringItem, SheetForm, SheetRules
+from roah_rsbb.model.scoring import NO_SHEET_RULES, JudgesRule, ScoringItem, SheetForm, SheetRules, rows
 from roah_rsbb.rulebook.errors import Place
 from roah_rsbb.rulebook.registry import PROFILES, STRINGS, BenchmarkKind, Profile, profile_of
 from roah_rsbb.rulebook.standing_rules import StandingRules
@@ -92,6 +92,8 @@ class Benchmark:
     @property
     def form(self) -> SheetForm:
         """The score sheet before it is filled in."""
+        if self.sheet is not NO_SHEET:
+            return SheetForm(rows(self.sheet), judges=self.judges, objection_time=self.objection_time, sheet=self.sheet)
         limit = 0.0 if self.sheet_rules.time_left is None else self.total_timeout
         return SheetForm(self.scoring, self.sheet_rules, limit, self.judges, self.objection_time)
 

@@ -6,6 +6,7 @@ import pytest
 
 from helpers.config_files import line_of
 from roah_rsbb.model.rules import Condition, Incident, Item, ItemChoice, JuryResult, Measure, Voids
+from roah_rsbb.model.scoring import INCIDENTS
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.errors import ConfigErrors, known
 
@@ -83,6 +84,15 @@ def test_a_tree_of_items():
     assert by_id["Cheating"].withholds == ("Main goal",)
 
 
+def test_referees_mark_its_items_and_incidents():
+    with known({"benchmarks.yaml": TEXT}):
+        form = load_benchmarks("benchmarks.yaml")["Commands"].form
+    assert form.sheet == _read(TEXT)
+    assert [(row.group, row.id) for row in form.items[:2]] == [
+        ("Main goal", "0"), ("Main goal", "With a custom operator")]
+    assert [row.desc for row in form.items if row.group == INCIDENTS][:2] == ["restart", "restarted"]
+
+
 def test_incidents():
     assert _read(TEXT).incidents == (
         Incident("restart", times=1, below=Decimal(40), voids=Voids.EARLIER, ends="restarted"),
@@ -133,7 +143,7 @@ def test_conditions(needs, expected):
     assert sheet.items[2].needs == expected
 
 
-def test_rows_with_one_name_are_told_apart_by_ids():
+def test_rows_of_one_name_have_ids():
     assert [each.id for each in _read(_of("{item: Custom}", "{item: Custom, id: 12}")).items] == ["Custom", "12"]
 
 
@@ -178,7 +188,7 @@ def test_a_mistake_in_a_row(row, found, expected):
     assert (error.line, error.found[:len(found)]) == (8, found) and expected in error.expected, error
 
 
-INCIDENTS = [
+WRONG_INCIDENTS = [
     ("restart: {time: 1}", "the unknown key 'time' in the incident 'restart'", "did you mean 'times'"),
     ("restart: {voids: earliest}", "the text 'earliest' as voids", "did you mean 'earlier'"),
     ("cheating: {marks: Cheatin}", "'Cheatin' as marks", "did you mean 'Cheating'"),
@@ -189,7 +199,7 @@ INCIDENTS = [
 ]
 
 
-@pytest.mark.parametrize("text, found, expected", INCIDENTS, ids=[each[1] for each in INCIDENTS])
+@pytest.mark.parametrize("text, found, expected", WRONG_INCIDENTS, ids=[each[1] for each in WRONG_INCIDENTS])
 def test_a_mistake_in_incidents(text, found, expected):
     with pytest.raises(ConfigErrors) as caught:
         _read(_of("{item: Cheating}", incidents=text))
