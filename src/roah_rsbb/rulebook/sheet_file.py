@@ -21,19 +21,20 @@ _MAX_SECONDS = 86400
 
 _ROWS = "rows '- {item: ..., points: 10}' or '- section: ...'"
 _OF_BOTH = {"id": "1", "min": "0", "max": "100", "items": "[...]", "needs": "Opens the door", "unless": "Gives up",
-            "withholds": "[Takes the cup]", "tags": "[manipulation]"}
+            "withholds": "[Takes the cup]", "tags": "[manipulation]", "for_team": "yes"}
 _SECTION = {"section": "Main goal"}
 _ITEM = {"item": "Opens the door"}
 _ITEM_OPTIONAL = {
     **_OF_BOTH, "amount": "count", "points": "10", "percent": "-5", "compounding": "yes", "times": "3", "each": "yes",
-    "from": "0", "to": "10", "seconds": "10", "choices": "{fully: 20, partly: 10}", "judges": "3", "jury": "mean",
+    "share_of_all": "yes", "from": "0", "to": "10", "seconds": "10", "choices": "{fully: 20, partly: 10}",
+    "judges": "3", "jury": "mean",
 }
 _WORTH = ("points", "percent", "compounding")
 # The keys of each amount besides those of sections.
 _KEYS = {
     Measure.YES: (*_WORTH, "times", "each"),
     Measure.COUNT: (*_WORTH, "times", "each"),
-    Measure.PERCENT: (*_WORTH, "times", "each"),
+    Measure.PERCENT: (*_WORTH, "times", "each", "share_of_all"),
     Measure.NUMBER: (*_WORTH, "from", "to"),
     Measure.POINTS: ("points", "from", "to"),
     Measure.CHOICE: ("choices",),
@@ -47,7 +48,7 @@ _JURY = tuple(each.value for each in JuryResult)
 _MODIFIERS = (Measure.YES, Measure.COUNT, Measure.PERCENT)
 _YES_NO = {"yes": True, "no": False}
 _CONDITION = {"item": "Opens the door"}
-_CONDITION_OPTIONAL = {"least": "2", "is": "fully", "since": "2", "each": "yes"}
+_CONDITION_OPTIONAL = {"least": "2", "is": "fully", "since": "2", "after": "yes", "each": "yes"}
 _FACT = {"fact": "announced min before"}
 _FACT_OPTIONAL = {"least": "60", "is": "all at once"}
 _INCIDENTS = "incidents 'restart: {times: 1, voids: earlier}'"
@@ -224,6 +225,7 @@ class _Rows:
         row_id = self._id(got, name)
         amount = Measure.SECTION if is_section else self._amount(got)
         item = Item(row_id or name, name, "" if above is None else above.id, amount or Measure.COUNT,
+                    for_team=_yes(report, got, "for_team"),
                     tags=tuple(filter(None, [text(report, tag, "a tag") for tag in
                                              _words(report, got.get("tags"), "tags")])))
         least, most = ends(report, got, quote(name))
@@ -278,6 +280,7 @@ class _Rows:
             item, low=low, high=high, points=Decimal(1) if amount is Measure.POINTS and points is None else points,
             percent=exact(report, got.get("percent"), "percent", -MAX_NUMBER, MAX_NUMBER),
             compounding=_yes(report, got, "compounding"), each=_yes(report, got, "each"),
+            share_of_all=_yes(report, got, "share_of_all"),
             times=self._times(got.get("times")) if "times" in _KEYS[amount] else None,
             seconds=Decimal(1) if seconds is None else seconds,
             choices=choices_of(report, got["choices"]) if "choices" in got else (),
@@ -314,8 +317,9 @@ class _Rows:
                          f"something like {examples}")
         if "points" in got and "percent" in got:
             report.error(got["percent"].place, "percent and points in one item", "one of them")
-        if "compounding" in got and "percent" not in got:
-            report.error(got["compounding"].place, "compounding in an item without percent", "a percent, too")
+        for one, other in (("compounding", "percent"), ("share_of_all", "each")):
+            if one in got and other not in got:
+                report.error(got[one].place, f"{one} in an item without {other}", f"the key '{other}', too")
         if amount is Measure.YES and "times" in got and not _is_one(got["times"]):
             report.error(got["times"].place, "times in an item with the amount 'yes or no'", "the amount 'count'")
 
@@ -343,9 +347,10 @@ class _Rows:
         named = self.named(got["item"], key) if "item" in got else None
         least = exact(report, got.get("least"), f"least of {key}", _NO_SECONDS, MAX_NUMBER)
         since = integer(report, got.get("since"), f"since of {key}", 2, MAX_VALUE)
-        for part in ("since", "each"):
-            if part in got and key == "unless":
-                report.error(got[part].place, f"{part} in unless", f"{part} in needs only")
+        if "since" in got and key == "unless":
+            report.error(got["since"].place, "since in unless", "since in needs only")
+        if "after" in got and "since" not in got:
+            report.error(got["after"].place, f"after in {key} without since", "something like 'since: 2'")
         if named is None:
             return None
         word = ""
@@ -356,7 +361,7 @@ class _Rows:
                              "an item with choices")
             else:
                 word = choice(report, got["is"], "is", choices, "one of its choices") or ""
-        return Condition(named, least, word, since or 1, _yes(report, got, "each"))
+        return Condition(named, least, word, since or 1, _yes(report, got, "after"), _yes(report, got, "each"))
 
 
 class _Circles:

@@ -353,7 +353,10 @@ class _Tree:
 
     def total(self) -> Fraction:
         """Return the points of the sheet."""
-        return sum((self._term(item, ZERO) for item in self._under.get("", ())), ZERO)
+        total = ZERO
+        for item in self._under.get("", ()):
+            total += self._term(item, total)
+        return total
 
     def _enter(self, mark: SheetMark) -> None:
         item, before = self._items[mark.item], self._times.get(mark.item, _Times())

@@ -125,6 +125,9 @@ def test_incidents():
     ("item: a, judges: 2, to: 10, jury: median, points: 2",
      Item("a", "a", amount=Measure.RATING, points=Decimal(2), low=Decimal(0), high=Decimal(10), judges=("1", "2"),
           jury=JuryResult.MEDIAN)),
+    ("item: a, amount: percent, each: yes, share_of_all: yes",
+     Item("a", "a", amount=Measure.PERCENT, times=1, each=True, share_of_all=True)),
+    ("item: a, for_team: yes", Item("a", "a", amount=Measure.YES, times=1, for_team=True)),
     ("section: a, max: 9", Item("a", "a", amount=Measure.SECTION, most=Decimal(9))),
     ("item: a, id: 7, points: 1", Item("7", "a", amount=Measure.YES, points=Decimal(1), times=1)),
 ])
@@ -136,7 +139,8 @@ def test_a_row(row, expected):
     ("a", (Condition("a"),)),
     ("[a, 3]", (Condition("a"), Condition("3"))),
     ("{item: a, least: 2}", (Condition("a", Decimal(2)),)),
-    ("[{item: a, since: 2}, {item: b, each: yes}]", (Condition("a", since=2), Condition("3", each=True))),
+    ("[{item: a, since: 2, after: yes}, {item: b, each: yes}]",
+     (Condition("a", since=2, after=True), Condition("3", each=True))),
 ])
 def test_conditions(needs, expected):
     sheet = _read(_of("{item: a, times: 3}", "{item: b, id: 3}", f"{{item: c, needs: {needs}}}"))
@@ -157,7 +161,9 @@ MISTAKES = [
     ("{item: a, times: 2, amount: yes or no}", "times in an item with the amount 'yes or no'", "'count'"),
     ("{item: a, times: often}", "the text 'often' as times", "a whole number, or 'unlimited'"),
     ("{item: a, points: 1, percent: 2}", "percent and points", "one of them"),
-    ("{item: a, points: 1, compounding: yes}", "compounding in an item without percent", "a percent"),
+    ("{item: a, points: 1, compounding: yes}", "compounding in an item without percent", "'percent'"),
+    ("{item: a, amount: percent, share_of_all: yes}", "share_of_all in an item without each", "'each'"),
+    ("{item: a, needs: {item: x, after: yes}}", "after in needs without since", "since: 2"),
     ("{item: a, choices: [b, c], points: 2}",
      "the key 'points' in an item with the amount 'choice'", "the points of each"),
     ("{item: a, seconds: 2}", "the key 'seconds' in an item with the amount 'yes or no'", "'points'"),

@@ -65,6 +65,11 @@ def test_the_percentage_of_a_time_is_of_what_is_left(marks, points):
     assert worth(SOLVED, *marks).total == points
 
 
+def test_a_percentage_of_the_whole_sheet():
+    items = row("done", 10, None), Item("bumps", "bumps", percent=Decimal(-5), times=4)
+    assert worth(items, mark("done", 10), mark("bumps", 7)).total == 80
+
+
 def test_points_for_the_team_are_not_part_of_the_sheet():
     found = worth([row("done", 10), row("absent", -500, for_team=True)], mark("done"), mark("absent"))
     assert (found.total, found.charged) == (10, -500)
