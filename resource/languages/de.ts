@@ -107,8 +107,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>No answer from the core: it may have been done. Check the state</source>
-        <translation>Keine Antwort vom Core: vielleicht ist es geschehen. Prüfen Sie den Zustand</translation>
+        <source>No answer from the box: it may have been done. Check the state</source>
+        <translation>Keine Antwort von der Box: vielleicht ist es geschehen. Prüfen Sie den Zustand</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -2076,13 +2076,13 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/times.py"/>
-        <source>OLD: waiting for the core</source>
-        <translation>VERALTET: warte auf den Core</translation>
+        <source>OLD: waiting for the box</source>
+        <translation>VERALTET: warte auf die Box</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/times.py"/>
-        <source>OLD: nothing heard from the core for {time:.0f} s</source>
-        <translation>VERALTET: seit {time:.0f} s nichts vom Core gehört</translation>
+        <source>OLD: nothing heard from the box for {time:.0f} s</source>
+        <translation>VERALTET: seit {time:.0f} s nichts von der Box gehört</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/times.py"/>
@@ -2527,8 +2527,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
-        <source>This ends the core and everything started with it, for all referees.</source>
-        <translation>Das beendet den Core und alles, was mit ihm gestartet wurde, für alle Schiedsrichter.</translation>
+        <source>This ends the box and everything started with it, for all referees.</source>
+        <translation>Das beendet die Box und alles, was mit ihr gestartet wurde, für alle Schiedsrichter.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
@@ -2595,8 +2595,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/calls.py"/>
-        <source>is the core running? Check the state when it is back.</source>
-        <translation>Läuft der Core? Prüfen Sie den Zustand, sobald er wieder da ist.</translation>
+        <source>is the box running? Check the state when it is back.</source>
+        <translation>Läuft die Box? Prüfen Sie den Zustand, sobald sie wieder da ist.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/keys.py"/>
@@ -2660,8 +2660,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/actions.py"/>
-        <source>Waiting for the core</source>
-        <translation>Warte auf den Core</translation>
+        <source>Waiting for the box</source>
+        <translation>Warte auf die Box</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/actions.py"/>
@@ -2700,8 +2700,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>The core is silent: nothing can be changed now</source>
-        <translation>Der Core ist stumm: Jetzt kann nichts geändert werden</translation>
+        <source>The box is silent: nothing can be changed now</source>
+        <translation>Die Box ist stumm: Jetzt kann nichts geändert werden</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
@@ -2943,8 +2943,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
-        <source>The core is silent: this is its last known state</source>
-        <translation>Der Core ist stumm: Dies ist sein letzter bekannter Zustand</translation>
+        <source>The box is silent: this is its last known state</source>
+        <translation>Die Box ist stumm: Dies ist ihr letzter bekannter Zustand</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
@@ -2998,8 +2998,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
-        <source>The core is silent: nothing can be scored now</source>
-        <translation>Der Core ist stumm: Jetzt kann nichts gewertet werden</translation>
+        <source>The box is silent: nothing can be scored now</source>
+        <translation>Die Box ist stumm: Jetzt kann nichts gewertet werden</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
@@ -3158,8 +3158,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>
-        <source>This ends only this referee&apos;s client. The core and its runs continue.</source>
-        <translation>Das beendet nur den Client dieses Schiedsrichters. Der Core und seine Läufe gehen weiter.</translation>
+        <source>This ends only this referee&apos;s client. The box and its runs continue.</source>
+        <translation>Das beendet nur den Client dieses Schiedsrichters. Die Box und ihre Läufe gehen weiter.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>
@@ -3228,8 +3228,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/stop_strip.py"/>
-        <source>The core is silent. STOP is sent until it answers</source>
-        <translation>Der Core schweigt. STOPP wird gesendet, bis er antwortet</translation>
+        <source>The box is silent. STOP is sent until it answers</source>
+        <translation>Die Box schweigt. STOPP wird gesendet, bis sie antwortet</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/stop_window.py"/>
@@ -3308,8 +3308,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/calls.py"/>
-        <source>not saved: internal error. It counts until the box ends. Report the error in the core&apos;s log</source>
-        <translation>nicht gespeichert: interner Fehler. Die Eingabe zählt, bis die Box endet. Melden Sie den Fehler aus dem Log des Cores</translation>
+        <source>not saved: internal error. It counts until the box ends. Report the error in the box&apos;s log</source>
+        <translation>nicht gespeichert: interner Fehler. Die Eingabe zählt, bis die Box endet. Melden Sie den Fehler aus dem Log der Box</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/calls.py"/>
@@ -3683,8 +3683,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/continuing.py"/>
-        <source>The core was restarted at {time}, {down} s after its last record</source>
-        <translation>Der Core wurde um {time} neu gestartet, {down} s nach seinem letzten Eintrag</translation>
+        <source>The box was restarted at {time}, {down} s after its last record</source>
+        <translation>Die Box wurde um {time} neu gestartet, {down} s nach ihrem letzten Eintrag</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/continuing.py"/>
@@ -3758,8 +3758,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/copies.py"/>
-        <source>the journal of this core is not copied yet. If this lasts, the program that copies it has another log_dir: end it, and the box starts it again</source>
-        <translation>das Journal dieses Cores wird noch nicht kopiert. Wenn das so bleibt, hat das Programm, das es kopiert, ein anderes log_dir: beenden Sie es, und die Box startet es neu</translation>
+        <source>the journal of this box is not copied yet. If this lasts, the program that copies it has another log_dir: end it, and the box starts it again</source>
+        <translation>das Journal dieser Box wird noch nicht kopiert. Wenn das so bleibt, hat das Programm, das es kopiert, ein anderes log_dir: beenden Sie es, und die Box startet es neu</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/copies.py"/>
@@ -4303,8 +4303,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>
-        <source>another core or copy uses the folder. Use another folder, or end that one</source>
-        <translation>ein anderer Core oder eine andere Kopie benutzt den Ordner. Nehmen Sie einen anderen Ordner, oder beenden Sie jene</translation>
+        <source>another box or copy uses the folder. Use another folder, or end that one</source>
+        <translation>eine andere Box oder eine andere Kopie benutzt den Ordner. Nehmen Sie einen anderen Ordner, oder beenden Sie jene</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/journal/copy_folder.py"/>

@@ -24,7 +24,7 @@ from roah_rsbb.wording import whole_box
 # The answer if a result counts, but is not on the disk yet.
 NOT_SAVED = say("not saved: {why}. It counts, and is saved as soon as the disk can be written: do not enter it again. "
                 "Free or repair the disk of log_dir")
-NOT_RECORDED = say("not saved: internal error. It counts until the box ends. Report the error in the core's log")
+NOT_RECORDED = say("not saved: internal error. It counts until the box ends. Report the error in the box's log")
 NO_OBJECT = say("The values of the fields are not a JSON object, such as {example}")(example='{"robot": "r1"}')
 UNKNOWN = say("The call has {name}, which is unknown: the values of the fields of an action go into given")
 NO_TEXT = say("{name} is not a text of at most {most} characters")

@@ -220,5 +220,5 @@ class DoorPlaces:
             self._of_master = DoorPlace(str(value["url"]), str(value["token"]))
         else:
             self._of_master = None
-        return (f"no core at the ROS master {self.master_uri}: {START}; or, if a box runs, start the launch again "
+        return (f"no box at the ROS master {self.master_uri}: {START}; or, if a box runs, start the launch again "
                 "after its runs, because the master has forgotten it")

@@ -38,7 +38,7 @@ from roah_rsbb.scoring.book import FinishedRuns, left_behind
 from roah_rsbb.scoring.counting import with_events
 from roah_rsbb.wording import times
 
-RESTARTED = say("The core was restarted at {time}, {down} s after its last record")
+RESTARTED = say("The box was restarted at {time}, {down} s after its last record")
 CONTINUES, CONTINUES_AT = say("{text}: the run continues if its robot does"), say(
     "{text}: the run continues on the box at {address}")
 LOST = say("The run of {benchmark}, team {team}, that was connected before the restart cannot continue: {why}. Its "

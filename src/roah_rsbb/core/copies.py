@@ -32,7 +32,7 @@ LAST_ENTRIES = say("NOT CONFIRMED: the standby does not have the last entries: {
 ONE_COMPUTER = say("{why}. To continue with one computer, delete 'durable: two' in {place} and reload")
 NO_ANSWER = say("the standby did not answer within {time} s")
 NO_REPORT = say("the program that copies it does not report. See the terminal of the box")
-NOT_COPIED = say("the journal of this core is not copied yet. If this lasts, the program that copies it has another "
+NOT_COPIED = say("the journal of this box is not copied yet. If this lasts, the program that copies it has another "
                  "log_dir: end it, and the box starts it again")
 BEING_WRITTEN = say("the copy is being written. If this lasts, its disk or its connection is too slow")
 BEHIND = say("The copy of the journal ({place}) is {time} s behind: {why}")

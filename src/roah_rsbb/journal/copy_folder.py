@@ -188,7 +188,7 @@ def identity_in(head: bytes) -> str:
 
 _NOT_SYNCED = say("its disk failed to save what was written. It is written again, and what was there before stays "
                   "until that is complete. If this happens again, replace the disk")
-_IN_USE = say("another core or copy uses the folder. Use another folder, or end that one")
+_IN_USE = say("another box or copy uses the folder. Use another folder, or end that one")
 _FULL = say("the disk is full. Free space for {folder}")
 _FAILED = say("{error}. Check the disk or stick of the copy")
 _NOT_MOUNTED = say("the stick is not mounted. Plug it in again")

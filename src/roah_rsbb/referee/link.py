@@ -24,7 +24,7 @@ from roah_rsbb.wording.times import use_zone
 # The limit for the document. A busy computer may take seconds.
 CORE_S = 6.0
 AGAIN_S = 0.2  # how often an attempt to connect is looked at
-SILENT = "the core is silent: it hangs or has died (restart it), or its computer cannot be reached"
+SILENT = "the box is silent: it hangs or has died (restart it), or its computer cannot be reached"
 
 
 class NotConfirmed(Refused):
@@ -123,5 +123,5 @@ class Link(Client[Document]):
         if answer.reasons:
             raise (Refused if answer.is_known else NotConfirmed)(list(answer.reasons))
         if not answer.is_answered:
-            raise NoCore(self.why or f"the box did not answer within {ANSWER_S:.0f} s: the core hangs, restart it")
+            raise NoCore(self.why or f"the box did not answer within {ANSWER_S:.0f} s: it hangs, restart it")
         return answer.answer

@@ -164,7 +164,7 @@ def _team_codes(call: Call) -> Exit:
     width = max(map(len, map(escaped, found)), default=0)
     lines = [f"{escaped(team):{width}}  {call.output.style(view.BOLD, code)}" for team, code in found.items()]
     if not lines:
-        lines = ["no teams are known yet: the pages have not heard the core"]
+        lines = ["no teams are known yet: the pages have not heard the box"]
     if answer["team_pages"] == "all":
         lines.append("team_pages is all: everybody sees the links and clocks of all teams, so codes are not needed")
     return call.done(lines, renewed=call.options.renew, team_pages=answer["team_pages"], codes=found)

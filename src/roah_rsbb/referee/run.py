@@ -301,7 +301,7 @@ class RunScript:
             try:
                 self._link.act("choose_event", self._plan.zone, {"event": event, "unsigned": True})
             except NoCore as gone:
-                self._note(f"waiting for the core: {gone}")
+                self._note(f"waiting for the box: {gone}")
                 self._wait(GIVE_UP_S, self._is_heard_after(self._link.here_s()))
             self._settle()
         self._event = self._zone().event
@@ -311,7 +311,7 @@ class RunScript:
     def _connect(self) -> None:
         if self._attempt("connect", _Own.CONNECTING):
             if self._zone().phase == IDLE:
-                raise _Failed(Exit.REFUSED, "the run did not begin: see the core's log")
+                raise _Failed(Exit.REFUSED, "the run did not begin: see the box's log")
             self._take(is_sure=True)
 
     def _take(self, is_sure: bool = False) -> None:
@@ -366,8 +366,8 @@ class RunScript:
         if self._zone().phase != IDLE or self._follower.box.box.uuid == self._uuid:
             raise _Failed(Exit.NOT_COMPLETED, "the run did not complete: another referee disconnected it")
         if self._own is _Own.STARTED:
-            raise _Failed(Exit.NOT_COMPLETED, "the run did not complete: it was lost when the core was restarted")
-        self._note("the core was restarted: connecting again")
+            raise _Failed(Exit.NOT_COMPLETED, "the run did not complete: it was lost when the box was restarted")
+        self._note("the box was restarted: connecting again")
         self._run, self._own = "", _Own.NONE
 
     # By whether the zone shows our run (None: there is none yet), and by its phase.
@@ -407,7 +407,7 @@ class RunScript:
                     reasons = tuple(refused.reasons)  # the zone changed since the snapshot
                 except NoCore as error:
                     gone = error  # the core may come back
-                    reasons = ("the core does not answer",)
+                    reasons = ("the box does not answer",)
                 else:
                     self._settle()
                     return True
@@ -452,7 +452,7 @@ class RunScript:
         unsure = Exit.NO_CORE if status is Exit.OK else status
         if not self._is_sure:
             return ScriptOutcome(
-                unsure, f"{text}; left connected: the core did not confirm the connect, so the run may be another "
+                unsure, f"{text}; left connected: the box did not confirm the connect, so the run may be another "
                 "referee's", zone,
             )
         try:
@@ -546,7 +546,7 @@ class RunScript:
         for change in self._follower.step(limit_s):
             self._report(change)
         if self._link.silence_s > GIVE_UP_S:
-            raise NoCore(f"the core has been silent for {GIVE_UP_S:.0f} s: check the launch on the box's computer")
+            raise NoCore(f"the box has been silent for {GIVE_UP_S:.0f} s: check the launch on the box's computer")
 
     def _is_heard_after(self, moment_s: float) -> Callable[[], bool]:
         return lambda: self._link.here_s() - self._link.silence_s > moment_s

@@ -50,10 +50,10 @@ PROG = called("referee")
 
 _EXITS = """exit status:
   0    done; for 'run': the robot completed the run
-  1    the core refused, with every reason; for 'run': connect or start was not possible
+  1    the box refused, with every reason; for 'run': connect or start was not possible
        within --wait, or a score could not be set
   2    wrong usage: an unknown command, zone, scoring item, value or event
-  3    no ROS master, no core, or the core did not come back; for 'run' also:
+  3    no ROS master, no box, or the box did not come back; for 'run' also:
        the run could not be disconnected; for 'stop': interrupted, NOT DELIVERED
   4    the run did not complete: timeout, stop, no messages saved, disconnected, lost;
        for 'stop': interrupted, and a robot does not report that it has stopped

@@ -344,9 +344,9 @@ def change_line(change: Change, style: Style) -> str:
 def _core(facts: Dict, style: Style) -> str:
     why = f" ({escaped(facts['why'])})" if facts.get("why") else ""
     return {
-        "silent": style(RED, "core SILENT: the state above is old; waiting for the core" + why),
-        "back": style(GREEN, "core is back"),
-        "restarted": style(YELLOW, "core was RESTARTED"),
+        "silent": style(RED, "box SILENT: the state above is old; waiting for the box" + why),
+        "back": style(GREEN, "box is back"),
+        "restarted": style(YELLOW, "box was RESTARTED"),
     }[facts["what"]]
 
 

@@ -180,7 +180,7 @@ def _late(what: str) -> str:
 
 def missing() -> str:
     """Return what to check if there was no answer."""
-    return tr("is the core running? Check the state when it is back.")
+    return tr("is the box running? Check the state when it is back.")
 
 
 Value = TypeVar("Value", bound=Hashable)  # any value but None

@@ -335,7 +335,7 @@ class StopStrip(QWidget):
         if self._model.is_replay:
             return tr(REPLAY_NO_COMMANDS), basic.OFF
         if self._model.document is not None and self._model.is_old:
-            return self._model.why_old(tr("The core is silent. STOP is sent until it answers")), basic.OLD
+            return self._model.why_old(tr("The box is silent. STOP is sent until it answers")), basic.OLD
         if self.stop.zone:
             return tr(STOPS_OTHER, zone=self.stop.zone, shown=self._model.zone_name), basic.OFF
         return target.why_off, basic.OFF

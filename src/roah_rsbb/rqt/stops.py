@@ -26,7 +26,7 @@ FAILED_S = 15.0
 # After a press, STOP does not pass to the only other run for this time (s): whoever is frightened presses twice.
 SAME_S = 2.0
 
-NOT_HEARD = tr_later("Waiting for the core")
+NOT_HEARD = tr_later("Waiting for the box")
 NONE_RUNS = tr_later("No zone is running")
 
 

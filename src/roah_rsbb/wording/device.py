@@ -24,7 +24,7 @@ NOT_ENCRYPTED = tr_later(
     "referees only.")
 # Why a command of a device has no effect.
 NOT_ALLOWED = tr_later("This device may not do that: it is paired as {role}")
-NO_ANSWER = tr_later("No answer from the core: it may have been done. Check the state")
+NO_ANSWER = tr_later("No answer from the box: it may have been done. Check the state")
 # Why a team does not see its robot.
 WRONG_TEAM_CODE = tr_later("This code is wrong")
 TOO_MANY_TEAM_GUESSES = tr_later("Too many wrong codes: wait a minute, then try again")

@@ -117,8 +117,8 @@ def skew(seconds: float) -> str:
 def silence(seconds: Optional[float]) -> str:
     """Return what a panel says while the core is silent; None: the core has never been heard."""
     if seconds is None:
-        return tr("OLD: waiting for the core")
-    return tr("OLD: nothing heard from the core for {time:.0f} s", time=max(1.0, seconds))
+        return tr("OLD: waiting for the box")
+    return tr("OLD: nothing heard from the box for {time:.0f} s", time=max(1.0, seconds))
 
 
 # -- moments in UTC, for the terminal and for logs --------------------------------------------------

@@ -198,7 +198,7 @@ def controller_text(is_connected: bool, text: str) -> Tuple[str, str]:
 # -- its end ---------------------------------------------------------------------------------------
 
 END_QUESTION, END_NOW = tr_later("End the whole RSBB?"), tr_later("End the RSBB")
-ENDS_ALL = tr_later("This ends the core and everything started with it, for all referees.")
+ENDS_ALL = tr_later("This ends the box and everything started with it, for all referees.")
 END_RUNS = tr_later("Runs in progress: {runs}")
 # Why the box does not end.
 IN_PROGRESS = say("Runs in progress: {runs}. End the box when they are over, or confirm that it is to end now: they "

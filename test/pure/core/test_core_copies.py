@@ -76,7 +76,7 @@ def test_a_journal_that_is_not_copied(copies):
     for second in range(1, 5):
         copies.report(at(second), report(is_of_this_box=False))
     assert copies.warnings(at(5))[0].endswith(
-        "the journal of this core is not copied yet. If this lasts, the program that copies it has another log_dir: "
+        "the journal of this box is not copied yet. If this lasts, the program that copies it has another log_dir: "
         "end it, and the box starts it again")
 
 

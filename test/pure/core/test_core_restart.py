@@ -115,7 +115,7 @@ def _again(kind, state):
 def without_the_restart(found):
     """Return the log without the line about the restart."""
     def cut(path, value):
-        is_log = path.endswith(".state.log") and "The core was restarted at" in value
+        is_log = path.endswith(".state.log") and "The box was restarted at" in value
         return value[:value.rindex("\n", 0, -1) + 1] if is_log else value
 
     return {path: cut(path, value) for path, value in found.items()}
@@ -323,7 +323,7 @@ def test_a_state_that_the_version_before_wrote_is_continued(old, boot):
     found = {f"zone:{name}": to_json(zone.saved()) for name, zone in box.zones.items()}
     assert to_json(box.saved()) == old["states"]["box"]
     for run in box.zones.runs():
-        assert "The core was restarted at" in run.log
+        assert "The box was restarted at" in run.log
         saved = found[f"zone:{run.zone}"][_part(run)]
         del saved["log"]
         saved["book"].pop("outages", None)
@@ -371,7 +371,7 @@ def test_a_restart_takes_the_place_of_no_warning_of_a_zone_and_only_a_run_in_pro
     now = driver.now.later(10.0)
     box.tick(now)
     restart = box.warnings(now)
-    assert [text.partition(" at ")[0] for text in restart] == ["The core was restarted"]
+    assert [text.partition(" at ")[0] for text in restart] == ["The box was restarted"]
     assert [text.partition(":")[0] for text in box.warnings_of(now, "tbm")] == [
         "The box was restarted, and has not heard the robot since", "The robot has disappeared"]
     logs = {run.zone: run.log for run in box.zones.runs()}

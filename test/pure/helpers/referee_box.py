@@ -88,7 +88,7 @@ class FakeLink:
     """A link to a core of one zone. Time advances by `next` only; `at` plans what happens when. `box` is the newest
     document that has arrived."""
 
-    trouble = "the core hangs, restart it"
+    trouble = "the box hangs, restart it"
 
     def __init__(self) -> None:
         self.time = 0.0

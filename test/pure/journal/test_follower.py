@@ -406,7 +406,7 @@ def test_two_followers_do_not_share_a_stick(copied):
     assert copied.step()
     second = copied.new_follower()
     second.step()
-    assert "another core or copy" in second.progress.trouble
+    assert "another box or copy" in second.progress.trouble
     copied.follower.close()
     second.step()
     assert not second.progress.trouble

@@ -101,7 +101,7 @@ MOVING = {"phase": "ended", "not_stopped": ("mbot",)}
      "stopped by another referee, and left connected for that one", "connect start"),
     # After a connect without an answer, the run may be this script's: it is started, but not disconnected.
     ([(0.2, "connect"), COMPLETED], {"connect": [GONE]}, {}, Exit.NO_CORE,
-     "the run is completed; left connected: the core did not confirm the connect, so the run may be another referee's",
+     "the run is completed; left connected: the box did not confirm the connect, so the run may be another referee's",
      "connect start"),
     ([(5, "change", {**MOVING, "end_reason": "completed"}), (5.3, "change", {"phase": "running", "end_reason": ""})],
      {}, {}, Exit.OK, "the run is completed; left connected: run run 1 is running: stop it first", TO_THE_END),
@@ -113,7 +113,7 @@ MOVING = {"phase": "ended", "not_stopped": ("mbot",)}
      TO_THE_END),
     ([(5, "vanish")], {}, {}, Exit.NOT_COMPLETED, "zone 'Home A' is no longer in the schedule", "connect start"),
     # A core that goes away.
-    ([(5, "restart")], {}, {}, Exit.NOT_COMPLETED, "the run did not complete: it was lost when the core was restarted",
+    ([(5, "restart")], {}, {}, Exit.NOT_COMPLETED, "the run did not complete: it was lost when the box was restarted",
      "connect start"),
     ([(5, "restart", {"phase": "running", "identity": "run 9"})], {}, {}, Exit.NOT_COMPLETED,
      "the run did not complete: another referee disconnected it", "connect start"),
@@ -167,7 +167,7 @@ def test_an_interrupt_while_the_connect_is_on_its_way_says_that_a_run_may_be_lef
     link.act = act
     outcome, _ = _run(link)
     assert (outcome.status, outcome.text, link.zone.phase) == (
-        Exit.INTERRUPTED, "interrupted; left connected: the core did not confirm the connect, so the run may be "
+        Exit.INTERRUPTED, "interrupted; left connected: the box did not confirm the connect, so the run may be "
         "another referee's", "connected")
 
 
@@ -177,7 +177,7 @@ def test_an_interrupt_while_the_connect_is_on_its_way_says_that_a_run_may_be_lef
       (30, "end", "completed")], {},
      ["waiting to connect: No robot for 1 s", "waiting to connect: Skew", "waiting to start: Robot has not stopped"]),
     ([COMPLETED], {"connect": [REFUSED, None]}, ["waiting to connect: Skew"]),  # although its button was on
-    ([COMPLETED], {"connect": [GONE, None]}, ["waiting to connect: the core does not answer"]),
+    ([COMPLETED], {"connect": [GONE, None]}, ["waiting to connect: the box does not answer"]),
     ([COMPLETED], {"disconnect": [GONE, None]}, ["waiting to disconnect: gone"]),
 ])
 def test_what_it_waits_for_is_reported_once(link, acts, answers, notes):
@@ -195,7 +195,7 @@ def test_what_it_waits_for_is_reported_once(link, acts, answers, notes):
     ([COMPLETED], {"disconnect": [GONE] * 100}, {}, Exit.NO_CORE,
      "the run is completed; it could not be disconnected: gone", 60, 70),
     ([(5, "fall_silent")], {}, {}, Exit.NO_CORE,
-     "the core has been silent for 60 s: check the launch on the box's computer: THE RUN MAY STILL BE RUNNING, check "
+     "the box has been silent for 60 s: check the launch on the box's computer: THE RUN MAY STILL BE RUNNING, check "
      "with 'referee status'", 60, 70),
     ([(0, "die")], {}, {"wait_s": 4.0, "event": event_wanted("HGTKMH")}, Exit.NO_CORE,
      "gone: THE RUN MAY STILL BE RUNNING, check with 'referee status'", 4, 10),
@@ -303,7 +303,7 @@ def test_a_restart_on_the_way_to_the_event_is_waited_out(link):
     played(link, (0.1, "die"), (9, "restart"), (20, "end", "completed"), answers={"choose_event": [NoCore("gone")]})
     outcome, reported = _run(link, event=event_wanted("HCFGAC"))
     assert (outcome.status, outcome.zone.event.code) == (Exit.OK, "HCFGAC")
-    assert [what for kind, what in reported if kind == "note"] == ["waiting for the core: gone"]
+    assert [what for kind, what in reported if kind == "note"] == ["waiting for the box: gone"]
     assert " ".join(link.commands) == f"choose_event choose_event {TO_THE_END}"
 
 

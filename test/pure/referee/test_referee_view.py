@@ -92,7 +92,7 @@ def test_times_are_local_unless_utc_is_asked_for():
         assert view.zone_report(new.zones["Home A"], NOW, local)[-1] == "    02:29:59 y"
         shown = [view.change_line(change, local) for change in changes(old, new, UTC0)]
         assert shown == ["18:56:38 Home A: PREPARE: x", "02:29:59 Home A: online data: y"]
-        assert view.change_line(Change(UTC0, "core", "", {"what": "back"}), local) == "18:56:40 core is back"
+        assert view.change_line(Change(UTC0, "core", "", {"what": "back"}), local) == "18:56:40 box is back"
         assert view.schedule_lines([_event(1)], local)[1].startswith("Home A  1    2015-11-08 18:56  ~19:08  +12 min")
 
 
@@ -214,10 +214,10 @@ def test_a_state_that_the_core_logs_itself_is_not_reported_twice():
      "Home A: CONNECTED to mbot on UDP port 6667"),
     ("state", {"phase": "ended", "end_reason": "no_messages_saved"}, "Home A: ENDED: no data saved"),
     ("state", {"phase": "idle", "end_reason": ""}, "Home A: NOT CONNECTED"),
-    ("core", {"what": "silent"}, "core SILENT: the state above is old; waiting for the core"),
+    ("core", {"what": "silent"}, "box SILENT: the state above is old; waiting for the box"),
     ("core", {"what": "silent", "why": "restart it\x1b"},
-     "core SILENT: the state above is old; waiting for the core (restart it\\x1b)"),
-    ("core", {"what": "back"}, "core is back"), ("core", {"what": "restarted"}, "core was RESTARTED"),
+     "box SILENT: the state above is old; waiting for the box (restart it\\x1b)"),
+    ("core", {"what": "back"}, "box is back"), ("core", {"what": "restarted"}, "box was RESTARTED"),
 ])
 def test_phases_and_a_core_that_disappears_and_returns(kind, facts, text):
     change = Change(UTC0, kind, "" if kind == "core" else "Home A", {**facts, "changed": ["phase"]})

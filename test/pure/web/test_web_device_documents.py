@@ -81,9 +81,9 @@ def test_a_reason_of_a_command_is_no_state_of_the_run_as_well(desk):
 
 def test_a_robot_that_may_be_moving_comes_before_the_warnings_of_the_box(desk):
     warned = {"phase": "ended", "warnings": ("The robot has disappeared", "Two robots")}
-    desk.put(zone_of(**warned), warnings=["The core was restarted"])
+    desk.put(zone_of(**warned), warnings=["The box was restarted"])
     shown = data(desk)
-    assert (shown["todo"], shown["warnings"]) == ("The robot has disappeared", ["Two robots", "The core was restarted"])
+    assert (shown["todo"], shown["warnings"]) == ("The robot has disappeared", ["Two robots", "The box was restarted"])
     assert shown["leaving"].startswith("R did not answer STOP")
     desk.put(zone_of(**warned, not_stopped=(), manual_operation="Move it"))
     shown = data(desk)

@@ -87,9 +87,9 @@ def test_a_clock_that_is_far_off_is_not_an_error():
 
 
 def test_silence_names_its_length():
-    assert times.silence(None) == "OLD: waiting for the core"
-    assert times.silence(0.8) == "OLD: nothing heard from the core for 1 s"
-    assert times.silence(12.3) == "OLD: nothing heard from the core for 12 s"
+    assert times.silence(None) == "OLD: waiting for the box"
+    assert times.silence(0.8) == "OLD: nothing heard from the box for 1 s"
+    assert times.silence(12.3) == "OLD: nothing heard from the box for 12 s"
 
 
 @pytest.mark.parametrize(("seconds", "shown"), [

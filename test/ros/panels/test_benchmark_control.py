@@ -325,7 +325,7 @@ class TestBenchmarkControl(PanelCase):
         for raised in ("service [/core/stop] unavailable", "unable to connect to service: [Errno 104] Connection reset",
                        "transport error completing service call: unable to receive data from sender"):
             with self.subTest(raised):
-                self.assertIn("is the core running?", failure_text(raised))
+                self.assertIn("is the box running?", failure_text(raised))
                 self.assertIn(raised, failure_text(raised))
 
     def test_nothing_moves_under_the_referees_hand(self) -> None:

@@ -274,7 +274,7 @@ class TestNoCore(unittest.TestCase):
 
     def test_no_core(self) -> None:
         self.assert_reported("roslaunch roah_rsbb roah_rsbb.launch", called("status"))
-        self.assert_reported("no core", called("run", "Home A", "--wait", "0.5"))
+        self.assert_reported("no box", called("run", "Home A", "--wait", "0.5"))
 
     def test_a_core_that_has_ended(self) -> None:
         FakeCore().close()
@@ -285,7 +285,7 @@ class TestNoCore(unittest.TestCase):
     def test_a_core_that_hangs(self) -> None:
         with self.mute() as port, unittest.mock.patch.object(link, "CORE_S", SOON_S):
             write_place(self.file, f"ws://127.0.0.1:{port}/door", TOKEN)
-            self.assert_reported("the core is silent", called("status"))
+            self.assert_reported("the box is silent", called("status"))
 
     def test_a_core_that_does_not_answer_a_command(self) -> None:
         core = FakeCore()
@@ -358,7 +358,8 @@ class TestRun(WithCore):
         self.assertEqual(run.wait_ended(), 0)
         self.assertEqual((result["ok"], result["end_reason"], result["event"]["code"]), (True, "completed", "HWV"))
         self.assertEqual(result["score"][0]["value"], 1)
-        self.assertEqual([call[0] for call in self.core.calls], ["next", "connect", "start", "score", "disconnect"])
+        self.assertEqual([call[0] for call in self.core.calls],
+                         ["choose_event", "connect", "start", "score", "disconnect"])
 
     def test_its_text_ends_with_score_sheet_and_verdict(self) -> None:
         run = self.start("run", "Home A")

@@ -192,7 +192,7 @@ def what_text(action: Action, zone: str) -> str:
 def why_off(zone: Optional[ZoneSeen], name: str, silent: str) -> Sequence[str]:
     """Return why an action is off now; empty: it is on. `silent`: why nothing is possible; empty: the core is heard."""
     if zone is None or silent:
-        return [silent or tr("Waiting for the core")]
+        return [silent or tr("Waiting for the box")]
     return [tr_said(reason) for reason in zone.off(name)]
 
 

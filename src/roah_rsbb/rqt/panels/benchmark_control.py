@@ -59,7 +59,7 @@ class PagesButton(basic.MenuButton):
         for part, text in PARTS.items():
             self.entries.addAction(tr(text)).triggered.connect(lambda _checked=False, part=part: self._ask_code(part))
         self._again = QTimer(self, singleShot=True, timeout=self._look)
-        self._allow(tr("Waiting for the core"))
+        self._allow(tr("Waiting for the box"))
         self._look()
 
     def end(self) -> None:
@@ -101,7 +101,7 @@ class PagesButton(basic.MenuButton):
 
 REASON = tr_later("Reason for the stop")
 ASK_REASON = tr_later("Why was the run stopped? Press Enter to save")
-NO_CHANGE = tr_later("The core is silent: nothing can be changed now")
+NO_CHANGE = tr_later("The box is silent: nothing can be changed now")
 REASON_TIP = tr_later(
     "After a stop, type the reason here and press Enter. You can change it until the run is signed off.")
 
@@ -376,7 +376,7 @@ class BenchmarkControlPanel(Panel):
             label.setText("")
         heard = self.model.document is not None
         self.phase.show_text(tr("NO SUCH ZONE") if heard else tr("NO CORE"), basic.IDLE)
-        text = f"{tr(NO_ZONE)} ({self.model.zone_name})" if heard else tr("Waiting for the core")
+        text = f"{tr(NO_ZONE)} ({self.model.zone_name})" if heard else tr("Waiting for the box")
         self.state.show_lines([(line, False) for line in (text, self.model.why) if line])
 
     def _show_event(self, zone: ZoneSeen) -> None:
@@ -395,7 +395,7 @@ class BenchmarkControlPanel(Panel):
                               + [(tr_said(line), False) for line in zone.state])
 
     def _show_button(self, name: str, zone: Optional[ZoneSeen]) -> None:
-        reasons = why_off(zone, name, self._silent(zone) if self.model.document else tr("Waiting for the core"))
+        reasons = why_off(zone, name, self._silent(zone) if self.model.document else tr("Waiting for the box"))
         is_next = zone is not None and not stop.leaving(zone) and not zone.action(name).question
         tone = NEXT_STEP.get((zone.phase, name)) if is_next else None
         self.buttons[name].allow(not reasons, reasons, tone)

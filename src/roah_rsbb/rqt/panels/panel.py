@@ -33,7 +33,7 @@ from roah_rsbb.wording import sheets, times, whole_box
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.whole_box import REPLAY_NOT_LIVE
 
-SILENT = tr_later("The core is silent: this is its last known state")
+SILENT = tr_later("The box is silent: this is its last known state")
 # Narrow: the STOP strip takes its height from the panels. In pixels: left, top, right, bottom.
 MARGINS = (6, 2, 6, 2)
 # Below this size, in units of the desktop's font, a panel does not shrink.

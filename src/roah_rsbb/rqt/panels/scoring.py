@@ -46,7 +46,7 @@ from roah_rsbb.wording.times import NOTHING
 
 NO_RUN = tr_later("Scoring begins when a robot is connected.")
 NO_ITEMS = tr_later("This benchmark has nothing for the referee to score.")
-SILENT = tr_later("The core is silent: nothing can be scored now")
+SILENT = tr_later("The box is silent: nothing can be scored now")
 
 
 class NoValue(enum.Enum):

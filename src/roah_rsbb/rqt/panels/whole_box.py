@@ -80,7 +80,7 @@ class CoreStatusPanel(Panel):
     def show_model(self) -> None:
         document = self.model.document
         if document is None:
-            self.notices.show_lines([(line, False) for line in (tr("Waiting for the core"), self.model.why) if line])
+            self.notices.show_lines([(line, False) for line in (tr("Waiting for the box"), self.model.why) if line])
             return
         box = document.box
         status = [(tr_said(box.own_status), box.status != "OK")] if box.own_status else []
@@ -142,7 +142,7 @@ class CoreStatusPanel(Panel):
             question, yes, text = tr(whole_box.END_QUESTION), tr(whole_box.END_NOW), tr(whole_box.ENDS_ALL)
         else:
             question, yes = tr("End this client?"), tr("End this client")
-            text = tr("This ends only this referee's client. The core and its runs continue.")
+            text = tr("This ends only this referee's client. The box and its runs continue.")
         in_progress = [tr(whole_box.END_RUNS, runs=runs)] if runs else []
         ask(self, question, "\n\n".join([text, *in_progress]), yes, self._exit)
 
@@ -192,7 +192,7 @@ class TabletStatusPanel(Panel):
 
     def show_model(self) -> None:
         if self.model.box is None:
-            self.values[0].setText(tr("Waiting for the core"))
+            self.values[0].setText(tr("Waiting for the box"))
 
     def show_times(self) -> None:
         if self.model.box is None:
@@ -246,7 +246,7 @@ class ActiveRobotsPanel(CollapsingPanel):
         self._show_lines(robots or [self._nobody()])
 
     def _nobody(self) -> Tuple[str, ...]:
-        text = tr("No robot is heard") if self.model.document else tr("Waiting for the core")
+        text = tr("No robot is heard") if self.model.document else tr("Waiting for the box")
         return (text, *("" for _ in ROBOT_COLUMNS[1:]))
 
     def _show_lines(self, lines: List[Tuple[str, ...]]) -> None:
