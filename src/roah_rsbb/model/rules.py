@@ -143,6 +143,7 @@ class AttemptsRule:
     of_best: Optional[int] = None
 
     def __str__(self) -> str:
+        """As files have it."""
         return self.how.value if self.of_best is None else f"{self.how.value} of the best {self.of_best}"
 
 
@@ -164,7 +165,8 @@ class Scale(enum.Enum):
     BEST = "best"  # divided by that of the best team
     FINALIST = "best finalist"  # divided by that of the best of the teams of this stage
     MAXIMUM = "maximum"  # divided by a fixed maximum
-    RANK = "rank"  # the place: 1 is best, and fewer is better
+    RANGE = "worst to best"  # 0 for the worst of the teams of this stage, 1 for the best
+    RANK = "rank"  # the place among the teams of this stage: see `places_count`
     NO = "no"
 
 
@@ -176,9 +178,22 @@ class StageColumn:
     stage: str = ""  # or the name of an earlier stage
     weight: Decimal = Decimal(1)
     attempts: Optional[AttemptsRule] = None  # None: that of the test
+    normalised: Optional[Scale] = None  # None: that of the stage
     maximum: Number = None  # for `Scale.MAXIMUM`
     rounds: Tuple[int, ...] = ()  # only events of these rounds; empty: all
     events: Tuple[str, ...] = ()  # only these events, by id; empty: all
+    day: str = ""  # only events that are scheduled on this day of the venue, in files without stages; empty: all
+
+    @property
+    def subject(self) -> str:
+        """The test or stage."""
+        return self.test or self.stage
+
+    @property
+    def name(self) -> str:
+        """What a standing calls it."""
+        which = ", ".join([*(f"round {number}" for number in self.rounds), *self.events, *filter(None, [self.day])])
+        return f"{self.subject} ({which})" if which else self.subject
 
 
 class Others(enum.Enum):
@@ -188,12 +203,35 @@ class Others(enum.Enum):
     ZERO = "zero"  # among them, with 0 in what only those who advanced have run
 
 
+class Disqualified(enum.Enum):
+    """Where a team is ranked that was disqualified for the competition."""
+
+    LAST = "last"
+    OUT = "out of the list"  # others move up
+    GAP = "its place stays free"  # nobody moves up
+
+
 @dataclass(frozen=True)
 class Adjustment:
-    """Points that a team gets or loses outside any run, by name."""
+    """What a team gets or loses outside any run, by name."""
 
     name: str
-    points: Decimal
+    points: Number = None  # None: whoever enters it says how many
+    low: Number = None  # limits of the points that can be entered
+    high: Number = None
+    times: Optional[int] = None  # it counts at most so often for a team
+    disqualified: Optional[Disqualified] = None  # it is no points: the team is disqualified, in all stages
+
+
+@dataclass(frozen=True)
+class Adjusted:
+    """An adjustment that a team was given."""
+
+    team: str
+    stage: str
+    name: str
+    points: Decimal = Decimal(0)
+    reason: str = ""
 
 
 @dataclass(frozen=True)
@@ -205,11 +243,18 @@ class Stage:
     teams: str = ""  # name of the stage from which teams advanced; empty: all teams
     normalised: Scale = Scale.NO
     adjustments: Tuple[Adjustment, ...] = ()
-    advance: Tuple[Tuple[int, int], ...] = ()  # from so many teams on, so many advance
+    advance: Tuple[Tuple[int, int], ...] = ()  # from so many teams on, so many advance; empty: all
     others: Others = Others.BELOW
-    ties: Tuple[str, ...] = ()  # columns that decide where teams tie, the first one first
-    asks: bool = False  # where nothing decides who advances, a person does
-    least: Number = None
+    ties: Tuple[str, ...] = ()  # tests or earlier stages that decide where teams tie, the first one first
+    asks: bool = False  # where nothing decides who advances, a person does; else all who tie advance
+    least: Number = None  # of the sum
+    chosen: Tuple[str, ...] = ()  # teams that a person let advance
+
+    @property
+    def places_count(self) -> bool:
+        """Whether it adds up places, so that less is better. Beside other numbers, a place counts as the share of teams
+        that are not before it."""
+        return bool(self.of) and all((column.normalised or self.normalised) is Scale.RANK for column in self.of)
 
 
 @dataclass(frozen=True)
