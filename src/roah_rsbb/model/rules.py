@@ -195,6 +195,11 @@ class StageColumn:
         which = ", ".join([*(f"round {number}" for number in self.rounds), *self.events, *filter(None, [self.day])])
         return f"{self.subject} ({which})" if which else self.subject
 
+    def has(self, number: int, event: str, day: str) -> bool:
+        """Return whether an event belongs to it: of this round, with this id, on this day."""
+        return ((not self.rounds or number in self.rounds) and (not self.events or event in self.events)
+                and self.day in ("", day))
+
 
 class Others(enum.Enum):
     """Where teams are ranked that did not advance to a stage."""

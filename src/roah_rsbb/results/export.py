@@ -35,8 +35,8 @@ from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreEntry
 from roah_rsbb.model.run_log import KINDS, LogKind
 from roah_rsbb.results.runs import NotPossible, RobotPart, RunResult, file_name, ratings, run_state_text, taken_s
-from roah_rsbb.results.standings import Standing
 from roah_rsbb.scoring.counting import Why
+from roah_rsbb.scoring.standings import Standing
 from roah_rsbb.wording.sheets import person, ratings_text
 from roah_rsbb.wording.texts import value_text, visible
 from roah_rsbb.wording.times import iso
@@ -210,7 +210,7 @@ def standing_rows(standings: Iterable[Standing]) -> Iterator[Dict[str, Cell]]:
             identities: List[str] = [run.record.identity for run in team.runs]
             for criterion, number, unit in zip(standing.criteria, team.numbers, standing.units):
                 yield dict(zip(STANDING_COLUMNS, (
-                    standing.benchmark, standing.of_runs.value, team.rank, team.tied, team.team, team.disqualified,
+                    standing.benchmark, str(standing.attempts), team.rank, team.tied, team.team, team.disqualified,
                     criterion.name, "more" if criterion.more_is_better else "less", _decimal(number), len(identities),
                     " ".join(identities), standing.title, unit,
                 )))
@@ -270,7 +270,7 @@ def _run_value(result: RunResult) -> Dict[str, Any]:
 
 def _standing_value(standing: Standing) -> Dict[str, Any]:
     return {
-        "benchmark": standing.benchmark, "title": standing.title, "of_runs": standing.of_runs.value,
+        "benchmark": standing.benchmark, "title": standing.title, "of_runs": str(standing.attempts),
         "criteria": [
             {"name": c.name, "better": "more" if c.more_is_better else "less", "unit": unit}
             for c, unit in zip(standing.criteria, standing.units)
@@ -281,12 +281,13 @@ def _standing_value(standing: Standing) -> Dict[str, Any]:
              "runs": [
                  {"identity": r.record.identity, "disqualified": r.disqualified,
                   "numbers": list(map(_decimal, r.numbers)),
-                  "signed_off": r.record.sign_off is not None, "counts": t.best in (None, i)}
+                  "signed_off": r.record.sign_off is not None, "counts": i in t.counting}
                  for i, r in enumerate(t.runs)
              ]}
             for t in standing.lines
         ],
         "remarks": list(standing.remarks),
+        "steps": list(standing.steps),
     }
 
 

@@ -12,10 +12,11 @@ from roah_rsbb.model.records import ItemRecord, RunRecord, SheetPoints, grouped
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, tag
 from roah_rsbb.results.runs import run_state_text, signature_of, taken_s, taken_text
-from roah_rsbb.results.standings import DISQUALIFIED, criteria_of, number_text, number_with_unit, standing_of_run
+from roah_rsbb.results.standings import DISQUALIFIED, criteria_of, number_text, number_with_unit
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent
 from roah_rsbb.rulebook.standing_rules import DEFAULT, Rules
 from roah_rsbb.scoring.counting import amount_of, exact
+from roah_rsbb.scoring.standings import standing_of_run
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.sheets import counting_text, scores_by_group
 from roah_rsbb.wording.texts import one_line

@@ -39,7 +39,8 @@ from roah_rsbb.results.report_numbers import (
     unsigned,
 )
 from roah_rsbb.results.runs import run_state_text, taken_text
-from roah_rsbb.results.standings import Standing, standing_markup
+from roah_rsbb.results.standing_pages import standing_markup
+from roah_rsbb.scoring.standings import Standing
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.texts import one_line, visible
 from roah_rsbb.wording.times import NOTHING, date_time, optional_date_time

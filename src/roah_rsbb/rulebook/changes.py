@@ -37,7 +37,7 @@ def changes(before: Config, after: Config, ran: Iterable[EventKey] = ()) -> List
     if before.durable != after.durable:
         found.append(f"durable: {before.durable.value}, now {after.durable.value}")
     if before.time_zone != after.time_zone:
-        has_days = any(part.day for overall in after.ranking.overall for part in overall.parts)
+        has_days = any(column.day for stage in after.ranking.stages for column in stage.of)
         found.append(f"time zone: {before.time_zone or 'none'}, now {after.time_zone or 'none'}"
                      + (". The days of the overall standings are those of the new one" if has_days else ""))
     if before.ranking != after.ranking:

@@ -18,6 +18,7 @@ from fractions import Fraction
 from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from roah_rsbb.model.records import NOT_RUN, ItemRecord, RunRecord, ScoreValue
+from roah_rsbb.model.rules import AttemptsRule
 from roah_rsbb.rulebook.benchmarks import (
     ALL_TEAMS,
     NO_RULES,
@@ -27,7 +28,7 @@ from roah_rsbb.rulebook.benchmarks import (
     ScheduledEvent,
     ZonePlan,
 )
-from roah_rsbb.rulebook.standing_rules import BY_POINTS, DEFAULT, TOTAL, Criterion, OfRuns, Rules, Term
+from roah_rsbb.rulebook.standing_rules import BY_POINTS, DEFAULT, TOTAL, Criterion, Rules, Term
 from roah_rsbb.wording.sheets import is_marked
 
 # A number for each criterion; None (missing) is worse than any number.
@@ -49,10 +50,11 @@ def exact(number: Union[int, float, str, Decimal, Fraction]) -> Fraction:
 
 
 def rules_for(records: Sequence[RunRecord], rules: Optional[Rules]) -> Rules:
-    """Return the rules of a benchmark. None: points count if its sheets give any, else the sum of the sheet."""
-    if rules is not None:
+    """Return the rules of a benchmark. Without criteria, its points count, or if it has none, the sum of the sheet."""
+    if rules is not None and rules.criteria:
         return rules
-    return BY_POINTS if any(record.points is not None for record in records) else DEFAULT
+    found = BY_POINTS if any(record.points is not None for record in records) else DEFAULT
+    return found if rules is None else rules._replace(criteria=found.criteria)
 
 
 def numbers_of(record: RunRecord, rules: Rules, missing: Optional[Dict[str, None]] = None) -> Numbers:
@@ -174,7 +176,7 @@ class RunChoice(NamedTuple):
 
     signed_off: bool = False  # of those that count, only the ones whose sheet is signed off
     without: Tuple[str, ...] = ()  # identities of excluded runs
-    of_runs: Optional[OfRuns] = None  # which of a team's runs that count decide; overrides the rules
+    attempts: Optional[AttemptsRule] = None  # which of a team's runs that count decide; overrides the rules
     events: Mapping[str, EventRules] = NO_EVENT_RULES  # which attempts at an event count, by the benchmarks' codes
 
 

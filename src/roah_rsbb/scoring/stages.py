@@ -10,7 +10,7 @@ from fractions import Fraction
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.model.reason import say
-from roah_rsbb.model.rules import Adjusted, Attempts, AttemptsRule, StageColumn, Disqualified, Scale, Others, Stage
+from roah_rsbb.model.rules import Adjusted, Attempts, AttemptsRule, Disqualified, Others, Scale, Stage, StageColumn
 from roah_rsbb.scoring.tree import number_text
 
 ZERO, ONE = Fraction(0), Fraction(1)
@@ -45,10 +45,15 @@ class Result(NamedTuple):
     order: Any = None  # sort key, smaller is better; None: by points
     charged: Fraction = ZERO  # points that the team gets whichever attempt counts
     replaces: bool = False  # the attempts before do not count
+    counts: bool = True  # else it only says that the team was to take part: that is 0
+    run: str = ""  # identity
 
 
 # Of each test by its code, the results of each team in the order of its attempts. No result counts 0.
 Results = Mapping[str, Mapping[str, Sequence[Result]]]
+
+# Disqualified; not in this stage; the sum; what decides ties. Smaller is better.
+_Key = Tuple[object, ...]
 
 
 class StageLine(NamedTuple):
@@ -60,6 +65,7 @@ class StageLine(NamedTuple):
     total: Optional[Fraction]  # None: it did not advance to this stage
     numbers: Tuple[Optional[Fraction], ...]  # of each column, as it counts
     adjusted: Fraction = ZERO
+    results: Tuple[Result, ...] = ()  # those that gave it its numbers
     disqualified: bool = False
 
 
@@ -100,15 +106,23 @@ def together(rule: AttemptsRule, numbers: Sequence[Optional[Fraction]]) -> Optio
 
 def number_of(rule: AttemptsRule, results: Sequence[Result]) -> Fraction:
     """Return the number of a team's attempts at a test."""
-    kept = _not_replaced(results)
-    counting = counting_attempts(rule, [_order(result) for result in kept])
-    number = together(rule, [kept[place].points for place in counting]) or ZERO
-    return number + sum((result.charged for result in results), ZERO)
+    number = together(rule, [result.points for result in _deciding_results(rule, results)]) or ZERO
+    return number + _charged(results)
 
 
-def _not_replaced(results: Sequence[Result]) -> Sequence[Result]:
-    first = max((place for place, result in enumerate(results) if result.replaces), default=0)
-    return results[first:]
+def _deciding_results(rule: AttemptsRule, results: Sequence[Result]) -> List[Result]:
+    kept = _kept(results)
+    return [kept[place] for place in counting_attempts(rule, [_order(result) for result in kept])]
+
+
+def _kept(results: Sequence[Result]) -> List[Result]:
+    """Return the results that no extra attempt replaces."""
+    results = [result for result in results if result.counts]
+    return results[max((place for place, result in enumerate(results) if result.replaces), default=0):]
+
+
+def _charged(results: Sequence[Result]) -> Fraction:
+    return sum((result.charged for result in results), ZERO)
 
 
 def _order(result: Result) -> Any:
@@ -154,27 +168,15 @@ class _Ranking:
         self._disqualified = disqualified
         self._notes: Dict[str, None] = {}
         self._steps: List[str] = []
+        self._decisive: Dict[str, List[Result]] = {}  # of each team
         self._teams = self._all_teams(teams)
         self._inside = [team for team in self._teams if self._takes_part(team)]
 
     def found(self) -> StageRanking:
         """Return the ranking."""
         columns = [self._column(column) for column in self._stage.of]
-        lines, keys = [], {}
-        for team in self._teams:
-            is_last = self._how_disqualified(team) is Disqualified.LAST
-            if team in self._inside:
-                numbers = tuple(column[team] for column in columns)
-                adjusted = self._points_outside(team)
-                total = self._total(team, numbers, adjusted)
-                order = total if self._stage.places_count else -total
-                keys[team] = (is_last, False, ZERO if is_last else order,
-                              *(ZERO if is_last else -number for number in self._deciding(team, columns)))
-                lines.append(StageLine(0, False, team, total, numbers, adjusted, is_last))
-            else:
-                place = next(line.place for line in self._before[self._stage.teams].lines if line.team == team)
-                keys[team] = is_last, True, Fraction(place), *(ZERO for _ in self._stage.ties)
-                lines.append(StageLine(0, False, team, None, tuple(None for _ in columns), ZERO, is_last))
+        lines = [self._line(team, columns) for team in self._teams]
+        keys = {line.team: self._key(line, columns) for line in lines}
         order = sorted(keys.values())
         lines = sorted((line._replace(place=order.index(keys[line.team]) + 1, tied=order.count(keys[line.team]) > 1)
                         for line in lines), key=lambda line: (line.place, line.team))
@@ -182,6 +184,24 @@ class _Ranking:
         advance, undecided = self._who_advances(lines)
         shown = tuple(line for line in lines if self._how_disqualified(line.team) is not Disqualified.GAP)
         return StageRanking(self._stage, shown, advance, undecided, tuple(self._notes), tuple(self._steps))
+
+    def _line(self, team: str, columns: Sequence[Mapping[str, Fraction]]) -> StageLine:
+        is_last = self._how_disqualified(team) is Disqualified.LAST
+        if team not in self._inside:
+            return StageLine(0, False, team, None, tuple(None for _ in columns), disqualified=is_last)
+        numbers, adjusted = tuple(column[team] for column in columns), self._points_outside(team)
+        return StageLine(0, False, team, self._total(team, numbers, adjusted), numbers, adjusted,
+                         tuple(self._decisive.get(team, ())), is_last)
+
+    def _key(self, line: StageLine, columns: Sequence[Mapping[str, Fraction]]) -> _Key:
+        """Return the sort key of a line: smaller is better. After its first three parts it has what decides ties."""
+        if line.disqualified:
+            return True, False, ZERO, *(ZERO for _ in self._stage.ties)
+        if line.total is None:
+            place = next(each.place for each in self._before[self._stage.teams].lines if each.team == line.team)
+            return False, True, Fraction(place), *(ZERO for _ in self._stage.ties)
+        number = line.total if self._stage.places_count else -line.total
+        return False, False, number, *(-each for each in self._deciding(line.team, columns))
 
     # -- teams --------------------------------------------------------------------------------------
 
@@ -194,8 +214,10 @@ class _Ranking:
             return self._in_list(line.team for line in before.lines)
         found = {*teams, *(given.team for given in self._adjusted)}
         for column in self._stage.of:
-            found.update(self._results.get(column.test, ()) if column.test else
-                         (line.team for line in self._before[column.stage].lines))
+            if column.stage:
+                found.update(line.team for line in self._before[column.stage].lines)
+            found.update(team for team, results in self._results.get(column.test, {}).items()
+                         if not results or any(column.has(each.round, each.event, each.day) for each in results))
         return self._in_list(found)
 
     def _in_list(self, teams: Any) -> List[str]:
@@ -264,23 +286,23 @@ class _Ranking:
         if column.stage:
             return {line.team: line.total for line in self._before[column.stage].lines if line.total is not None}
         found: Dict[str, Fraction] = {}
-        rule = column.attempts or self._attempts.get(column.test, AttemptsRule())
+        rule: AttemptsRule = column.attempts or self._attempts.get(column.test) or AttemptsRule()
         for team, results in self._results.get(column.test, {}).items():
-            own = [result for result in results if _is_of(result, column)]
+            own = [result for result in results if column.has(result.round, result.event, result.day) and result.counts]
             if not own or team not in self._teams:
                 continue
             if not self._advanced(team):
                 self._notes[DID_NOT_ADVANCE(team=team, test=column.name, stage=self._stage.name)] = None
                 continue
             found[team] = number_of(rule, own)
+            self._decisive.setdefault(team, []).extend(_deciding_results(rule, own))
             self._say_attempts(team, column, rule, own, found[team])
         return found
 
     def _say_attempts(
         self, team: str, column: StageColumn, rule: AttemptsRule, results: Sequence[Result], number: Fraction
     ) -> None:
-        kept = _not_replaced(results)
-        charged = sum((result.charged for result in results), ZERO)
+        kept, charged = _kept(results), _charged(results)
         if len(kept) < len(results):
             self._steps.append(REPLACED(team=team, test=column.name))
         if len(kept) > 1:
@@ -378,14 +400,10 @@ class _Ranking:
         found = [line.team for line in able if (line.team in before or line.team in chosen)
                  and self._how_disqualified(line.team) is None]
         if stage.advance:
-            self._steps.append(ADVANCE(stage=stage.name, count=len(taking_part), number=number, teams=", ".join(found)))
+            said = ADVANCE(stage=stage.name, count=len(taking_part), number=number, teams=", ".join(found))
+            self._notes[said] = None
+            self._steps.append(said)
         return tuple(found), tuple(undecided)
-
-
-def _is_of(result: Result, column: StageColumn) -> bool:
-    """Whether a result is of the events of a column."""
-    return ((not column.rounds or result.round in column.rounds) and (not column.events or result.event in column.events)
-            and (not column.day or result.day == column.day))
 
 
 def _sum_text(parts: Sequence[Tuple[str, Fraction]]) -> str:

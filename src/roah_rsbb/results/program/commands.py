@@ -14,12 +14,13 @@ from roah_rsbb.journal.log_dir import CONFIGURATION, JOURNAL, kept_files
 from roah_rsbb.journal.reader import JournalError, JournalReader, journal_in
 from roah_rsbb.model import run_log
 from roah_rsbb.model.records import RunRecord
+from roah_rsbb.model.rules import Attempts, AttemptsRule
 from roah_rsbb.results import lists
 from roah_rsbb.results.runs import NotPossible, RunResult, find, find_record, records, run_result
 from roah_rsbb.rulebook import config, errors
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.rulebook.errors import ConfigErrors
-from roah_rsbb.rulebook.standing_rules import OfRuns, StandingRules, read_rules
+from roah_rsbb.rulebook.standing_rules import StandingRules, read_rules
 from roah_rsbb.scoring.counting import Ruling, RunChoice, Why, rulings, with_events
 from roah_rsbb.wording import times
 from roah_rsbb.wording.texts import visible
@@ -164,9 +165,9 @@ def choice(options: argparse.Namespace, known: Iterable[RunRecord]) -> RunChoice
     """Return which runs may count, as the options say. Raises ConfigErrors, `NotPossible`."""
     identities = [record.identity for record in known]
     without = tuple(identities[find(identities, word)] for word in getattr(options, "without", ()))
-    of_runs = OfRuns(options.of_runs) if getattr(options, "of_runs", None) else None
+    attempts = AttemptsRule(Attempts(options.of_runs)) if getattr(options, "of_runs", None) else None
     events = {code: benchmark.rules for code, benchmark in benchmarks(options).items()}
-    return RunChoice(getattr(options, "signed_off", False), without, of_runs, events)
+    return RunChoice(getattr(options, "signed_off", False), without, attempts, events)
 
 
 def ruled(options: argparse.Namespace, known: Sequence[RunRecord]) -> List[Ruling]:

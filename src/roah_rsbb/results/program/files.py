@@ -12,7 +12,6 @@ from roah_rsbb.journal.log import names_in
 from roah_rsbb.journal.reader import JournalReader, journal_in
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results import lists
-from roah_rsbb.results import standings as ranking
 from roah_rsbb.results.dataset import DatasetOptions, names_of, write_dataset
 from roah_rsbb.results.export import (
     RESULT_COLUMNS,
@@ -48,10 +47,13 @@ from roah_rsbb.results.report import Assets, Compared, Site, all_pages, assets, 
 from roah_rsbb.results.report_numbers import RunFacts, facts_of, link_period_s
 from roah_rsbb.results.runs import NotPossible, RunResult, file_name, find, find_record, run_result
 from roah_rsbb.results.sheet import sheet_page
-from roah_rsbb.results.standings import Standing, index_page, standing_lines, standings_page
+from roah_rsbb.results.standing_pages import index_page, standings_page
+from roah_rsbb.results.standings import standing_lines
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.standing_rules import Rules
+from roah_rsbb.scoring import standings as ranking
 from roah_rsbb.scoring.counting import Why
+from roah_rsbb.scoring.standings import Standing
 
 # The log_dir in the folder of a competition.
 LOG_FOLDER = "log"

@@ -8,7 +8,7 @@ from roah_rsbb.ground.arguments import Parser, called
 from roah_rsbb.journal.log_dir import JOURNAL
 
 LOG_DIR = "~/.ros/roah_rsbb"
-OF_RUNS = ("best", "mean", "median")  # `OfRuns`, without loading what reads its rules
+OF_RUNS = ("best", "last", "first", "sum", "mean", "median")  # `Attempts`, without loading what reads its rules
 
 _DESCRIPTION = """\
 Shows and exports the results of a competition from its journal, during the competition and afterwards.

@@ -13,7 +13,7 @@ from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.rulebook.config import BenchmarksFile
 from roah_rsbb.rulebook.errors import Place, Report, listing, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind
-from roah_rsbb.rulebook.standing_rules import OVERALL
+from roah_rsbb.rulebook.standing_rules import OVERALL, STAGES
 from roah_rsbb.rulebook.yaml_fields import describe, fields, text
 from roah_rsbb.rulebook.yaml_lines import Mapping as MapNode
 from roah_rsbb.rulebook.yaml_lines import Node, Scalar, Unusable, read_yaml
@@ -120,14 +120,14 @@ def standings_text(path: str, content: str, codes: Sequence[str]) -> str:
 
 
 def _is_about(key: Scalar, node: Node, codes: Sequence[str]) -> bool:
-    """Whether rules are only about these benchmarks: those of a benchmark, or the overall standings."""
-    return key.text in codes or (key.text == OVERALL and all(code in codes for code in _named(node)))
+    """Whether rules are only about these benchmarks: those of a benchmark, or the stages."""
+    return key.text in codes or (key.text in (STAGES, OVERALL) and all(code in codes for code in _named(node)))
 
 
 def _named(node: Node) -> Iterator[str]:
-    """The benchmarks that overall standings name."""
+    """The benchmarks that stages name."""
     for key, value in node.pairs if isinstance(node, MapNode) else ():
-        if key.text == "benchmark" and isinstance(value, Scalar):
+        if key.text in ("test", "benchmark") and isinstance(value, Scalar):
             yield value.text
         yield from _named(value)
     for item in node.items if isinstance(node, SequenceNode) else ():
