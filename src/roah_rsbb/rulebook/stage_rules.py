@@ -56,13 +56,14 @@ def attempts_rule(report: Report, node: Optional[Node], what: str) -> Optional[A
     if of_best and how in [each.value for each in _SEVERAL] and number.isdecimal() and 0 < int(number) < 1000:
         return AttemptsRule(Attempts(how), int(number))
     words = tuple(each.value for each in Attempts)
-    found = choice(report, node, what, words, f"one of {', '.join(words)}, or 'mean of the best 2'")
+    found = choice(report, node, what, words, "which runs count, also such as 'mean of the best 2'")
     return None if found is None else AttemptsRule(Attempts(found))
 
 
-def benchmark_code(report: Report, key: Scalar) -> Optional[str]:
-    """Read a code, also one that a competition defines; None after an error."""
-    is_new = CODE.fullmatch(key.text) and nearest(key.text, PROFILES) is None
+def benchmark_code(report: Report, key: Scalar, codes: Sequence[str] = ()) -> Optional[str]:
+    """Read a code: one of `codes`, or of the registry, or another that a competition may define; None after an error.
+    """
+    is_new = key.text in codes or CODE.fullmatch(key.text) and nearest(key.text, PROFILES) is None
     return key.text if is_new else choice(report, key, "a benchmark", tuple(PROFILES), "a benchmark code")
 
 
@@ -270,7 +271,7 @@ class StageReader:
         if key not in got:
             return None
         words = tuple(each.value for each in kind)
-        found = choice(self._report, got[key], key, words, f"{expected}: {', '.join(words)}")
+        found = choice(self._report, got[key], key, words, expected)
         return None if found is None else kind(found)
 
     def _number(self, got: Dict[str, Node], key: str) -> Optional[Decimal]:

@@ -89,7 +89,7 @@ def read_rules(
         for key, node in root.pairs:
             if key.text in found:
                 continue
-            code = benchmark_code(report, key)
+            code = benchmark_code(report, key, codes or ())
             own = _rules(report, node)
             if code is not None and own is not None:
                 rules[code] = own

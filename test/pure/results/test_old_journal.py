@@ -16,10 +16,10 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import RunName
 from roah_rsbb.model.records import Phase
 from roah_rsbb.results.program import main as program
-from roah_rsbb.results.standings import standings
 from roah_rsbb.rulebook.standing_rules import DEFAULT
 from roah_rsbb.scoring.counting import ANY, Why
 from roah_rsbb.scoring.sheet import Mark
+from roah_rsbb.scoring.standings import standings
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 OLD = ROOT / "test" / "data" / "journal_2026-11-23.log.xz"

@@ -22,24 +22,27 @@ from roah_rsbb.core.views.schedule import schedule
 from roah_rsbb.core.views.sheets import run_sheet
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.reason import Refused, RunName
+from roah_rsbb.model.rules import AttemptsRule, Scale, Stage, StageColumn
 from roah_rsbb.results.dataset import _run_rows
 from roah_rsbb.results.export import exported, result_rows
 from roah_rsbb.results.lists import checklist, list_lines
 from roah_rsbb.results.report_numbers import facts_of
 from roah_rsbb.results.runs import records, run_result
 from roah_rsbb.results.sheet import sheet_lines, sheet_page
-from roah_rsbb.results.standings import index_page, public_standings, standings
+from roah_rsbb.results.standing_pages import index_page
+from roah_rsbb.results.standings import public_standings
 from roah_rsbb.rulebook.benchmarks import CountingAttempt, EventRules, NoShow
-from roah_rsbb.rulebook.standing_rules import Criterion, OfRuns, Overall, Rules, StandingPart, StandingRules, Term
+from roah_rsbb.rulebook.standing_rules import Criterion, Rules, StandingRules, Term
 from roah_rsbb.scoring.counting import RunChoice, Why, attempts_of, rulings
+from roah_rsbb.scoring.standings import standings
 from roah_rsbb.wording.sheets import counting_text
 
 CODES, ZONES, TEAMS = ("HGTKMH", "HWV"), ("a", "b"), ("Alpha", "Beta")
 HOUR = 3600.0
-RANKING = StandingRules({"HGTKMH": Rules(OfRuns.BEST, (), (
+RANKING = StandingRules({"HGTKMH": Rules(AttemptsRule(), (), (
     Criterion("Objects", True, (Term(item=OBJECTS.desc, weight=0.1),)),
     Criterion("Bumps", False, (Term(group=BUMPS.group),))))})
-RANKING.overall = (Overall("All", (StandingPart("HGTKMH"), StandingPart("HWV"))),)
+RANKING.stages = (Stage("All", (StageColumn("HGTKMH"), StageColumn("HWV")), normalised=Scale.BEST),)
 
 ACTIONS = st.one_of(
     st.tuples(st.just("attempt"), st.sampled_from(ZONES), st.integers(0, 3), st.integers(0, 2)),

@@ -16,10 +16,11 @@ from roah_rsbb.results.export import exported, result_rows, safe
 from roah_rsbb.results.paper import blank_front, front_of
 from roah_rsbb.results.runs import RunResult
 from roah_rsbb.results.sheet import sheet_lines, sheet_page
-from roah_rsbb.results.standings import RunChoice, number_text, standings
+from roah_rsbb.results.standings import number_text
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.scoring.book import RunBook
-from roah_rsbb.scoring.counting import exact
+from roah_rsbb.scoring.counting import RunChoice, exact
+from roah_rsbb.scoring.standings import standings
 from roah_rsbb.wording.sheets import points_text
 
 TEAMS = ("Alpha", "Beta", "Gamma")

@@ -13,6 +13,7 @@ import pytest
 
 from helpers.results_of import ACHIEVED, DISQUALIFYING, DOOR, EVIL, PENALIZED, full_record, module_record, task_record
 from roah_rsbb.model.records import ItemRecord, ScoreEntry, ScoreValue, SignOff, StopRecord
+from roah_rsbb.model.rules import AttemptsRule
 from roah_rsbb.results import paper, printing
 from roah_rsbb.results.page import LONGEST_WORD, Competition, breakable, page, tag
 from roah_rsbb.results.paper import blank_front, cut, front_markup, front_of, layout_of, wrapped_lines
@@ -21,12 +22,12 @@ from roah_rsbb.results.runs import NotPossible, RunResult
 from roah_rsbb.results.sheet import sheet_page
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent
 from roah_rsbb.rulebook.config import load_benchmarks
-from roah_rsbb.rulebook.standing_rules import Criterion, OfRuns, Rules, Term, read_rules
+from roah_rsbb.rulebook.standing_rules import Criterion, Rules, Term, read_rules
 
 CONFIG = pathlib.Path(__file__).resolve().parents[3] / "config"
 BENCHMARKS = load_benchmarks(str(CONFIG / "benchmarks.yaml"))
 RULES = read_rules(str(CONFIG / "standings.yaml"))
-POINTS = Rules(OfRuns.BEST, (DISQUALIFYING,), (Criterion(
+POINTS = Rules(AttemptsRule(), (DISQUALIFYING,), (Criterion(
     "Points", True, (Term(group=ACHIEVED, weight=10.0), Term(group=PENALIZED, weight=-3.0))),))
 
 

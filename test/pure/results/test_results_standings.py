@@ -10,40 +10,22 @@ import pytest
 from helpers.results_of import ACHIEVED, BUMPS, DISQUALIFYING, DOOR, OBJECTS, PENALIZED, module_record, task_record
 from helpers.time_zones import local_time
 from roah_rsbb.model.records import GroupPoints, ScoreValue, SheetPoints, SignOff
+from roah_rsbb.model.rules import Attempts, AttemptsRule, Scale, Stage, StageColumn
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem, SheetForm
-from roah_rsbb.results.standings import (
-    DAYS_OF_COMPUTER,
-    WITHOUT_RULES,
-    RunChoice,
-    number_text,
-    overall_standing,
-    public_standings,
-    run_text,
-    standing,
-    standing_lines,
-    standing_markup,
-    standings,
-)
+from roah_rsbb.results.standing_pages import standing_markup
+from roah_rsbb.results.standings import number_text, public_standings, run_text, standing_lines
 from roah_rsbb.rulebook.benchmarks import CountingAttempt, EventRules, NoShow
 from roah_rsbb.rulebook.errors import ConfigErrors
-from roah_rsbb.rulebook.standing_rules import (
-    BY_POINTS,
-    Criterion,
-    Normalised,
-    OfRuns,
-    Overall,
-    Rules,
-    StandingPart,
-    StandingRules,
-    Term,
-    read_rules,
-)
+from roah_rsbb.rulebook.standing_rules import BY_POINTS, Criterion, Rules, StandingRules, Term, read_rules
+from roah_rsbb.scoring.counting import RunChoice
+from roah_rsbb.scoring.standings import DAYS_OF_COMPUTER, WITHOUT_RULES, standing, standings
 from roah_rsbb.wording import times
 
 SHIPPED = pathlib.Path(__file__).resolve().parents[3] / "config" / "standings.yaml"
+BEST, MEAN, MEDIAN = (AttemptsRule(how) for how in (Attempts.BEST, Attempts.MEAN, Attempts.MEDIAN))
 ACHIEVEMENTS = Criterion("Achievements", True, (Term(group=ACHIEVED),))
 PENALTIES = Criterion("Penalties", False, (Term(group=PENALIZED),))
-TASK = Rules(OfRuns.BEST, (DISQUALIFYING,), (ACHIEVEMENTS, PENALTIES))
+TASK = Rules(BEST, (DISQUALIFYING,), (ACHIEVEMENTS, PENALTIES))
 SIGNED = SignOff(1.0, "chief")
 ALL = RunChoice()
 
@@ -86,7 +68,7 @@ def test_ties_share_a_rank_and_are_shown_as_ties():
 
 
 def test_sums_that_differ_only_by_rounding_tie():
-    weighed = Rules(OfRuns.BEST, (), (Criterion("Points", True, (Term(item=DOOR, weight=0.3),
+    weighed = Rules(BEST, (), (Criterion("Points", True, (Term(item=DOOR, weight=0.3),
                                                                 Term(item=OBJECTS, weight=0.1))),))
     found = ranks([task_record("A", 1, objects=3), task_record("B", 2, door=1)], weighed)
     assert [(rank, numbers) for rank, _, numbers in found] == [(1, (Fraction(3, 10),))] * 2
@@ -102,11 +84,11 @@ def test_disqualified_teams_rank_last():
 
 
 def test_weights_items_and_values():
-    points = Rules(OfRuns.BEST, (), (Criterion("Points", True, (
+    points = Rules(BEST, (), (Criterion("Points", True, (
         Term(group=ACHIEVED, weight=10.0), Term(item=BUMPS, weight=-3.0), Term(group=ACHIEVED, item=DOOR, weight=0.5),
     )),))
     assert ranks([task_record("A", 1, door=1, objects=2, bumps=3)], points) == [(1, "A", (30.0 - 9.0 + 0.5,))]
-    score = Rules(OfRuns.BEST, (), (Criterion("Reached", True, (Term(score="reached", weight=2.0),)),))
+    score = Rules(BEST, (), (Criterion("Reached", True, (Term(score="reached", weight=2.0),)),))
     assert ranks([module_record("A", 1, reached=3)], score, code="HNF") == [(1, "A", (6.0,))]
     assert ranks([module_record("A", 1, reached=True)], score, code="HNF") == [(1, "A", (2.0,))]
 
@@ -114,7 +96,7 @@ def test_weights_items_and_values():
 @pytest.mark.parametrize("more_is_better", [True, False])
 @pytest.mark.parametrize("value", [None, "a text"])
 def test_a_missing_value_ranks_behind_every_value(value, more_is_better):
-    rules = Rules(OfRuns.BEST, (), (Criterion("Error", more_is_better, (Term(score="error"),)),))
+    rules = Rules(BEST, (), (Criterion("Error", more_is_better, (Term(score="error"),)),))
     records = [module_record("A", 1, error=value), module_record("B", 2, error=9e9), module_record("C", 3, error=-1.0)]
     found = ranks(records, rules, code="HNF")
     assert [team for _, team, _ in found] == (["B", "C", "A"] if more_is_better else ["C", "B", "A"])
@@ -123,7 +105,7 @@ def test_a_missing_value_ranks_behind_every_value(value, more_is_better):
 
 def test_a_value_of_part_of_the_run_does_not_count_for_the_run():
     record = module_record("A", 1)._replace(module_scores=(ScoreValue("waypoint 1", "time", "5", "s"),))
-    rules = Rules(OfRuns.BEST, (), (Criterion("Time", False, (Term(score="time"),)),))
+    rules = Rules(BEST, (), (Criterion("Time", False, (Term(score="time"),)),))
     table = standing("HNF", [record], rules, RunChoice())
     assert table.lines[0].numbers == (None,)
     assert f"run {record.identity} of team A has no 'time'" in table.remarks
@@ -131,7 +113,7 @@ def test_a_value_of_part_of_the_run_does_not_count_for_the_run():
 
 def test_a_group_that_the_sheet_lacks_is_reported():
     assert "has no 'Achivements'" in remarks(
-        [task_record("A", 1)], rules=Rules(OfRuns.BEST, (), (Criterion("x", True, (Term(group="Achivements"),)),))
+        [task_record("A", 1)], rules=Rules(BEST, (), (Criterion("x", True, (Term(group="Achivements"),)),))
     )
 
 
@@ -143,33 +125,33 @@ SEVERAL = [
 ]
 
 
-@pytest.mark.parametrize(("of_runs", "first", "numbers"), [
-    (OfRuns.BEST, "A", (5.0, 2.0)), (OfRuns.MEAN, "B", (4.0, 0.0)), (OfRuns.MEDIAN, "B", (4.0, 0.0)),
+@pytest.mark.parametrize(("attempts", "first", "numbers"), [
+    (BEST, "A", (5.0, 2.0)), (MEAN, "B", (4.0, 0.0)), (MEDIAN, "B", (4.0, 0.0)),
 ])
-def test_best_mean_and_median_of_a_teams_runs(of_runs, first, numbers):
-    found = ranks(SEVERAL, choice=RunChoice(of_runs=of_runs))
+def test_best_mean_and_median_of_a_teams_runs(attempts, first, numbers):
+    found = ranks(SEVERAL, choice=RunChoice(attempts=attempts))
     assert found[0] == (1, first, numbers)
-    assert found == ranks(SEVERAL, TASK._replace(of_runs=of_runs))
+    assert found == ranks(SEVERAL, TASK._replace(attempts=attempts))
 
 
 def test_the_mean_of_several_runs():
-    [_, (_, _, numbers)] = ranks(SEVERAL, choice=RunChoice(of_runs=OfRuns.MEAN))
+    [_, (_, _, numbers)] = ranks(SEVERAL, choice=RunChoice(attempts=MEAN))
     assert numbers == (3.0, pytest.approx(2 / 3))
     table = standing("HGTKMH", SEVERAL, TASK, RunChoice())
-    assert [line.best for line in table.lines] == [1, 0]
+    assert [line.counting for line in table.lines] == [(1,), (0,)]
     assert [len(line.runs) for line in table.lines] == [3, 1]
-    assert standing("HGTKMH", SEVERAL, TASK, RunChoice(of_runs=OfRuns.MEAN)).lines[0].best is None
+    assert standing("HGTKMH", SEVERAL, TASK, RunChoice(attempts=MEAN)).lines[1].counting == (0, 1, 2)
 
 
 def test_a_run_that_is_disqualified_among_others():
     records = [task_record("A", 1, objects=4, hits=1), task_record("A", 2, objects=2, bumps=4)]
     assert ranks(records) == [(1, "A", (2.0, 4.0))]
-    assert ranks(records, choice=RunChoice(of_runs=OfRuns.MEAN)) == [(1, "A", (1.0, 4.0))]
+    assert ranks(records, choice=RunChoice(attempts=MEAN)) == [(1, "A", (1.0, 4.0))]
     assert not standing("HGTKMH", records, TASK, RunChoice()).lines[0].disqualified
 
 
 def test_what_has_no_value_is_left_out_of_the_mean():
-    rules = Rules(OfRuns.MEAN, (), (Criterion("Error", False, (Term(score="error"),)),))
+    rules = Rules(MEAN, (), (Criterion("Error", False, (Term(score="error"),)),))
     records = [module_record("A", 1, error=None), module_record("A", 2, error=4.0), module_record("A", 3, error=2.0)]
     assert ranks(records, rules, code="HNF") == [(1, "A", (3.0,))]
 
@@ -253,14 +235,14 @@ HWV:
     - name: Points
       better: less
       of: [{item: Bumps, group: G, weight: -2.5}, {score: time}]
-""") == {"HWV": Rules(OfRuns.MEDIAN, (), (
+""") == {"HWV": Rules(MEDIAN, (), (
         Criterion("Points", False, (Term("G", "Bumps", "", -2.5), Term(score="time"))),
     ))}
 
 
 @pytest.mark.parametrize(("text", "line", "expected"), [
     ("HGTKMF: {criteria: [{name: x, of: [{group: y}]}]}", 1, "HGTKMH"),
-    ("HWV: {runs: worst, criteria: [{name: x, of: [{group: y}]}]}", 1, "'best', 'mean', 'median'"),
+    ("HWV: {runs: 2, criteria: [{name: x, of: [{group: y}]}]}", 1, "'mean', 'median'"),
     ("HWV:\n  criteria: []", 2, "criteria"),
     ("HWV:\n  criteria:\n    - {name: x, of: [{}]}", 3, "'group', 'item', 'points' or 'score'"),
     ("HWV:\n  criteria:\n    - {name: x, of: [{score: a, group: b}]}", 3, "either a value"),
@@ -341,15 +323,22 @@ TWO_DAYS = [
 ]
 
 
+def stage_table(columns, records, rules=None, choice=ALL, **fields):
+    """The standing of a stage, relative to the best team."""
+    ranking = StandingRules(rules or {})
+    ranking.stages = (Stage("All", tuple(columns), **{"normalised": Scale.BEST, **fields}),)
+    return standings(records, ranking, choice)[0]
+
+
 def overall(*parts, **fields):
     """(rank, team, numbers) of each line."""
-    table = overall_standing(Overall("All", parts, **fields), TWO_DAYS, {"HGTKMH": HITS_OUT}, ALL)
+    table = stage_table(parts, TWO_DAYS, {"HGTKMH": HITS_OUT}, **fields)
     return [(line.rank, line.tied, line.team, line.numbers) for line in table.lines]
 
 
 def test_the_public_reads_which_runs_do_not_count_yet():
     rules = StandingRules()
-    rules.overall = (Overall("All", (StandingPart("HGTKMH"), StandingPart("HWV"))),)
+    rules.stages = (Stage("All", (StageColumn("HGTKMH"), StageColumn("HWV")), normalised=Scale.BEST),)
     records = [*TWO_DAYS[:2], pointed("A", 4, "3", benchmark="HWV"), pointed("B", 5, "6", benchmark="HWV"),
                pointed("C", 6, "9", end_reason="withdrawn")]
     records = [record if record.team == "B" else record._replace(sign_off=SIGNED) for record in records]
@@ -364,27 +353,27 @@ def test_the_public_reads_which_runs_do_not_count_yet():
 
 
 HITS_OUT = BY_POINTS._replace(disqualified_by=(DISQUALIFYING,))
-TASK_PART = StandingPart("HGTKMH", weight=Decimal(2))
+TASK_PART = StageColumn("HGTKMH", weight=Decimal(2))
 
 
 def test_an_overall_standing_relative_to_the_best_team():
-    assert overall(TASK_PART, StandingPart("HWV")) == [
+    assert overall(TASK_PART, StageColumn("HWV")) == [
         (1, False, "B", (Fraction(8, 3), 2, Fraction(2, 3))), (2, False, "A", (Fraction(13, 5), Fraction(8, 5), 1)),
         (3, False, "C", (0, 0, 0)),
     ]
 
 
 def test_an_overall_standing_relative_to_a_maximum():
-    parts = TASK_PART._replace(maximum=Decimal(100)), StandingPart("HWV", maximum=Decimal(12))
-    assert overall(*parts, normalised=Normalised.MAXIMUM) == [
+    parts = dataclasses.replace(TASK_PART, maximum=Decimal(100)), StageColumn("HWV", maximum=Decimal(12))
+    assert overall(*parts, normalised=Scale.MAXIMUM) == [
         (1, False, "A", (Fraction(31, 20), Fraction(4, 5), Fraction(3, 4))), (2, False, "B", (1.5, 1.0, 0.5)),
         (3, False, "C", (0.0, 0.0, 0.0)),
     ]
 
 
 def test_an_overall_standing_of_plain_numbers_over_days():
-    parts = StandingPart("HWV", day="1970-01-01"), StandingPart("HWV", Decimal("0.5"), "1970-01-02")
-    assert overall(*parts, normalised=Normalised.NO) == [
+    parts = StageColumn("HWV", day="1970-01-01"), StageColumn("HWV", weight=Decimal("0.5"), day="1970-01-02")
+    assert overall(*parts, normalised=Scale.NO) == [
         (1, False, "A", (7.5, 3.0, 4.5)), (2, False, "B", (6.0, 6.0, 0.0))]
 
 
@@ -396,8 +385,7 @@ def test_a_day_is_one_of_the_venue(zone, total):
     times.use_zone(zone)
     records = [pointed("A", 1, "2", scheduled=night), pointed("A", 2, "1", scheduled=evening),
                pointed("B", 3, "4", scheduled=morning + 28 * 3600.0)]
-    table = overall_standing(Overall("28th", (StandingPart("HGTKMH", day="2026-11-28"),), Normalised.NO), records, {},
-                             ALL)
+    table = stage_table([StageColumn("HGTKMH", day="2026-11-28")], records, normalised=Scale.NO)
     assert {line.team: line.numbers[0] for line in table.lines} == total
     assert DAYS_OF_COMPUTER not in table.remarks
 
@@ -406,12 +394,13 @@ def test_without_a_time_zone_days_are_those_of_this_computer():
     times.use_zone("")
     with local_time("JST-9"):
         records = [pointed("A", 1, "2", scheduled=1795822200.0)]
-        table = overall_standing(Overall("28th", (StandingPart("HGTKMH", day="2026-11-28"),)), records, {}, ALL)
+        table = stage_table([StageColumn("HGTKMH", day="2026-11-28")], records)
     assert ([line.team for line in table.lines], table.remarks) == (["A"], (DAYS_OF_COMPUTER,))
 
 
 def test_ties_of_an_overall_standing():
-    parts = StandingPart("HGTKMH"), StandingPart("HWV", Decimal("0.2"), "1970-01-02")  # 0.8 + 0.2 and 1.0 + 0.0
+    # 0.8 + 0.2 and 1.0 + 0.0
+    parts = StageColumn("HGTKMH"), StageColumn("HWV", weight=Decimal("0.2"), day="1970-01-02")
     assert [line[:3] for line in overall(*parts)] == [(1, True, "A"), (1, True, "B"), (3, False, "C")]
     assert [line[2] for line in overall(*parts, ties=("HGTKMH",))] == ["B", "A", "C"]
     assert [line[:3] for line in overall(*parts, ties=("HWV", "HGTKMH"))] == [
@@ -423,8 +412,8 @@ def test_equal_sums_tie_whatever_their_parts_are():
     days = [f"1970-01-0{day}" for day in (1, 2)]
     records = [pointed("A", 1, "235", scheduled=0.0), pointed("A", 2, "0", scheduled=DAY),
                pointed("B", 3, "100", scheduled=0.0), pointed("B", 4, "135", scheduled=DAY)]
-    parts = tuple(StandingPart("HGTKMH", day=day, maximum=Decimal(7)) for day in days)
-    table = overall_standing(Overall("Final", parts, Normalised.MAXIMUM), records, {}, ALL)
+    parts = tuple(StageColumn("HGTKMH", day=day, maximum=Decimal(7)) for day in days)
+    table = stage_table(parts, records, normalised=Scale.MAXIMUM)
     assert [(line.rank, line.tied, line.team) for line in table.lines] == [(1, True, "A"), (1, True, "B")]
     lines = list(standing_lines(table))
     assert [line.split()[:3] for line in lines[2:]] == [["1=", "A", "33.571"], ["1=", "B", "33.571"]]
@@ -432,7 +421,7 @@ def test_equal_sums_tie_whatever_their_parts_are():
 
 def test_a_mean_is_exact():
     """As floats, the mean of 0.1, 0.1 and 0.1 is not 0.1."""
-    rules = Rules(OfRuns.MEAN, (), (Criterion("x", True, (Term(score="x"),)),))
+    rules = Rules(MEAN, (), (Criterion("x", True, (Term(score="x"),)),))
     records = [module_record("A", 1, x=0.1), module_record("A", 2, x=0.1), module_record("A", 3, x=0.1),
                module_record("B", 4, x=0.1)]
     assert [(rank, numbers) for rank, _, numbers in ranks(records, rules, code="HNF")] == [(1, (Fraction(1, 10),))] * 2
@@ -448,7 +437,7 @@ def test_a_number_is_rounded_for_the_eye(number, text):
 
 def test_an_overall_standing_names_the_runs_that_count_and_every_team():
     records = [*TWO_DAYS, attempt(9, "D", "withdrawn")._replace(started_utc=0.0)]
-    table = overall_standing(Overall("All", (TASK_PART, StandingPart("HWV"))), records, {"HGTKMH": HITS_OUT}, ALL)
+    table = stage_table([TASK_PART, StageColumn("HWV")], records, {"HGTKMH": HITS_OUT})
     assert [(line.team, [run.record.identity[:-15] for run in line.runs]) for line in table.lines] == [
         ("B", ["HGTKMH-6668", "HWV-6671"]), ("A", ["HGTKMH-6667", "HWV-6672"]), ("C", ["HGTKMH-6669"]), ("D", [])]
     assert [line.split()[-1] for line in list(standing_lines(table))[2:6]] == ["2", "2", "1", "0"]
@@ -457,7 +446,7 @@ def test_an_overall_standing_names_the_runs_that_count_and_every_team():
 
 def test_a_benchmark_without_positive_numbers_counts_nothing():
     records = [pointed("A", 1, "-1"), pointed("B", 2, "0")]
-    table = overall_standing(Overall("All", (StandingPart("HGTKMH"), StandingPart("HWV"))), records, {}, ALL)
+    table = stage_table([StageColumn("HGTKMH"), StageColumn("HWV")], records)
     assert [line.numbers for line in table.lines] == [(0.0, 0.0, 0.0)] * 2
     assert table.remarks == ("HGTKMH counts 0: no team has more than 0", "HWV has no runs yet")
 
@@ -477,13 +466,13 @@ HGTKMH: {criteria: [{name: x, of: [{points: total}]}]}
 def test_an_overall_standing_is_read_and_comes_first(tmp_path):
     rules = rules_of(tmp_path, OVERALL)
     assert list(rules) == ["HGTKMH"]
-    assert rules.overall == (Overall("All days", (
-        StandingPart("HGTKMH", Decimal(2), "", Decimal(500)),
-        StandingPart("HWV", Decimal(1), "2026-11-28", Decimal("20.5"))), Normalised.MAXIMUM, ("HWV",)),)
+    assert rules.stages == (Stage("All days", (
+        StageColumn("HGTKMH", weight=Decimal(2), maximum=Decimal(500)),
+        StageColumn("HWV", maximum=Decimal("20.5"), day="2026-11-28")), normalised=Scale.MAXIMUM, ties=("HWV",)),)
     first, *others = standings(TWO_DAYS, rules, ALL)
     lines = list(standing_lines(first))
     assert lines[0] == ("All days: weighted sum of the benchmarks, each relative to its maximum; in a tie HWV")
-    assert lines[1].split() == ["Rank", "Team", "Total", "HGTKMH", "HWV", "2026-11-28", "Runs"]
+    assert lines[1].split() == ["Rank", "Team", "Total", "HGTKMH", "HWV", "(2026-11-28)", "Runs"]
     assert [s.benchmark for s in others] == ["HGTKMH", "HWV"]
     assert "<h2>All days</h2>" in standing_markup(first, {})
 
@@ -533,7 +522,7 @@ def test_which_attempt_counts(which, numbers, runs):
 
 
 def test_all_attempts_count_for_the_mean():
-    rules = TASK._replace(of_runs=OfRuns.MEAN)
+    rules = TASK._replace(attempts=MEAN)
     (_, _, numbers), = ranks(ATTEMPTS, rules, counting(counting=CountingAttempt.ALL))
     assert numbers == pytest.approx((10 / 3, 1 / 3))
 
@@ -561,7 +550,7 @@ def test_penalty_points_of_a_team_that_did_not_appear_count(no_show):
     choice = RunChoice(events={"HGTKMH": EventRules(no_show=no_show)})
     table = standing("HGTKMH", records, None, choice)
     assert [(line.rank, line.team, line.numbers) for line in table.lines] == [(1, "B", (10.0,)), (2, "A", (-500.0,))]
-    total = overall_standing(Overall("All", (StandingPart("HGTKMH"),), Normalised.NO), records, {}, choice)
+    total = stage_table([StageColumn("HGTKMH")], records, choice=choice, normalised=Scale.NO)
     assert [line.numbers[0] for line in total.lines] == [10, -500]
 
 

@@ -7,9 +7,10 @@ from fractions import Fraction
 import pytest
 
 from helpers.simulated_day import Behaviour, Day, make_competition
-from roah_rsbb.results.standings import RunChoice, standings
 from roah_rsbb.rulebook.standing_rules import read_rules
+from roah_rsbb.scoring.counting import RunChoice
 from roah_rsbb.scoring.sheet import Mark
+from roah_rsbb.scoring.standings import standings
 
 pytestmark = pytest.mark.long
 

@@ -4,13 +4,14 @@ import dataclasses
 from decimal import Decimal
 
 from helpers.competition import BUMPS, DOOR, UTC0, competition, event
+from roah_rsbb.model.rules import Stage, StageColumn
 from roah_rsbb.model.scoring import NO_SHEET_RULES, SheetRules, TimeLeft
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Config, Durable, EventRules
 from roah_rsbb.rulebook.changes import changes, warnings
 from roah_rsbb.rulebook.errors import Place
 from roah_rsbb.rulebook.event_ids import key_of
 from roah_rsbb.rulebook.registry import PROFILES
-from roah_rsbb.rulebook.standing_rules import Overall, StandingPart, StandingRules
+from roah_rsbb.rulebook.standing_rules import StandingRules
 from roah_rsbb.wording.times import date_time
 
 THEN, LATER = date_time(UTC0), date_time(UTC0 + 60.0)
@@ -66,7 +67,7 @@ def test_days_of_standings_are_those_of_the_time_zone():
     before, rules = competition(a=["HNF"]), StandingRules()
     after = dataclasses.replace(before, time_zone="Asia/Tokyo")
     assert changes(before, after) == ["time zone: none, now Asia/Tokyo"]
-    rules.overall = (Overall("All", (StandingPart("HNF", day="2026-11-28"),)),)
+    rules.stages = (Stage("All", (StageColumn("HNF", day="2026-11-28"),)),)
     before, after = (dataclasses.replace(config, ranking=rules) for config in (before, after))
     assert changes(before, after) == [
         "time zone: none, now Asia/Tokyo. The days of the overall standings are those of the new one"]

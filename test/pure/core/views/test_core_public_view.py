@@ -16,9 +16,10 @@ from roah_rsbb.core.views.public import MAX_FINISHED, MAX_FOLLOWING, Publicity, 
 from roah_rsbb.model.modules import RequestKind, ScoreValue
 from roah_rsbb.model.reason import RunName
 from roah_rsbb.model.records import ItemRecord, SignOff
+from roah_rsbb.model.rules import Stage, StageColumn
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.results.standings import public_standings
-from roah_rsbb.rulebook.standing_rules import Overall, StandingPart, StandingRules
+from roah_rsbb.rulebook.standing_rules import StandingRules
 from roah_rsbb.wording import times
 
 NONE, OUTCOMES, SCORES = PublicResults.NONE, PublicResults.OUTCOMES, PublicResults.SCORES
@@ -226,7 +227,7 @@ def test_while_nothing_happens_nothing_changes():
 
 def _ranked(records, rules, choice, titles):
     rules = StandingRules()
-    rules.overall = (Overall("All", (StandingPart("HGTKMH"),)),)
+    rules.stages = (Stage("All", (StageColumn("HGTKMH"),)),)
     return public_standings(records, rules, choice, titles)
 
 

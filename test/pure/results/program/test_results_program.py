@@ -20,11 +20,11 @@ from roah_rsbb.journal.records import Batch, Kind, OutcomeRow
 from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, PhaseTime, RunRecord, ScoreEntry, ScoreValue
+from roah_rsbb.model.rules import Attempts
 from roah_rsbb.results import export
 from roah_rsbb.results.export import RESULT_COLUMNS, STANDING_COLUMNS
 from roah_rsbb.results.program import files as writing
 from roah_rsbb.results.program import main as program
-from roah_rsbb.rulebook.standing_rules import OfRuns
 from roah_rsbb.wording.texts import visible
 
 ROOT = pathlib.Path(__file__).resolve().parents[4]
@@ -87,7 +87,7 @@ def test_a_name_may_not_command_the_terminal(run, tmp_path):
 
 
 def test_the_ways_to_count_runs_are_those_of_the_rules():
-    assert tuple(of.value for of in OfRuns) == program.OF_RUNS
+    assert tuple(how.value for how in Attempts) == program.OF_RUNS
 
 
 @pytest.mark.parametrize("is_alone", (False, True))
@@ -203,7 +203,7 @@ def test_a_journal_without_runs(run, tmp_path):
     (("standings", "HOPF"), 1, "there are no runs of HOPF; there are some of HGTKMH, HNF"),
     (("standings", "--without", "77"), 1, "there is no run '77'"),
     (("standings", "--rules", "/nowhere/rules"), 1, "a file of the competition is invalid:\n/nowhere/rules"),
-    (("standings", "--runs", "worst"), 2, "best"),
+    (("standings", "--runs", "2"), 2, "best"),
     ((), 2, "COMMAND"),
     (("--journal", "/nowhere/j", "list"), 1, "the journal is missing"),
 ])

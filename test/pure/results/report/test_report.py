@@ -31,8 +31,9 @@ from roah_rsbb.results.program import files as writing
 from roah_rsbb.results.program import main as program
 from roah_rsbb.results.report import PAGES, Axes, plot
 from roah_rsbb.results.report_numbers import facts_of, link_period_s
-from roah_rsbb.results.standings import RunChoice, standings
 from roah_rsbb.rulebook.standing_rules import read_rules
+from roah_rsbb.scoring.counting import RunChoice
+from roah_rsbb.scoring.standings import standings
 
 ROOT = pathlib.Path(__file__).resolve().parents[4]
 RESOURCES = ROOT / "resource" / "report"
