@@ -4917,46 +4917,6 @@
         <translation>Das Team hat zurückgezogen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/results/standings.py"/>
-        <source>team {team}, {turn}: {what}</source>
-        <translation>Team {team}, {turn}: {what}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/results/standings.py"/>
-        <source>team {team}, {turn}: not signed off yet, so it does not count</source>
-        <translation>Team {team}, {turn}: noch nicht abgeschlossen, zählt also nicht</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/results/standings.py"/>
-        <source>team {team} gets 0 for {part}: none of its runs counts</source>
-        <translation>Team {team} erhält 0 für {part}: keiner seiner Läufe zählt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/results/standings.py"/>
-        <source>team {team} gets 0 for {part}: its run is not signed off yet</source>
-        <translation>Team {team} erhält 0 für {part}: sein Lauf ist noch nicht abgeschlossen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/results/standings.py"/>
-        <source>team {team} has a run of {part} that is not signed off yet: it does not count</source>
-        <translation>Team {team} hat einen Lauf von {part}, der noch nicht abgeschlossen ist: er zählt nicht</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/results/standings.py"/>
-        <source>{part} has no runs yet</source>
-        <translation>{part} hat noch keine Läufe</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/results/standings.py"/>
-        <source>scored by an earlier sheet ({changed}): run {runs}</source>
-        <translation>nach einem früheren Bogen bewertet ({changed}): Lauf {runs}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/results/standings.py"/>
-        <source>{part} counts 0: no team has more than 0</source>
-        <translation>{part} zählt 0: kein Team hat mehr als 0</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/scoring/book.py"/>
         <source>the run was not stopped yet, so it cannot have a reason</source>
         <translation>der Lauf wurde noch nicht gestoppt, also kann er keinen Grund haben</translation>
@@ -5315,6 +5275,196 @@
         <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>the id &apos;{id}&apos; was used for &apos;{item}&apos;: give each mark a new UUID</source>
         <translation>die Kennung „{id}“ wurde für „{item}“ verwendet: Geben Sie jeder Wertung eine neue UUID</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/stages.py"/>
+        <source>{team}, {test}: {rule} of {numbers}: {number}</source>
+        <translation>{team}, {test}: {rule} von {numbers}: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/stages.py"/>
+        <source>{team}, {test}: the attempts before the extra one do not count</source>
+        <translation>{team}, {test}: die Versuche vor dem zusätzlichen zählen nicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/stages.py"/>
+        <source>{team}, {test}: {points} for the team, whichever attempt counts</source>
+        <translation>{team}, {test}: {points} für das Team, gleich welcher Versuch zählt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/stages.py"/>
+        <source>{team}, {column}: {weight} × {number} / {reference} = {points}</source>
+        <translation>{team}, {column}: {weight} × {number} / {reference} = {points}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/stages.py"/>
+        <source>{team}, {column}: place {place} of {teams}</source>
+        <translation>{team}, {column}: Platz {place} von {teams}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/stages.py"/>
+        <source>{team}: {sum} = {points}</source>
+        <translation>{team}: {sum} = {points}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/stages.py"/>
+        <source>{team}: {sum}, at least {limit}: {points}</source>
+        <translation>{team}: {sum}, mindestens {limit}: {points}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/stages.py"/>
+        <source>{team}: {name} counts at most {times} times</source>
+        <translation>{team}: {name} zählt höchstens {times}-mal</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/stages.py"/>
+        <source>{team}: {name}</source>
+        <translation>{team}: {name}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/stages.py"/>
+        <source>{stage}, {count} teams: {number} advance: {teams}</source>
+        <translation>{stage}, {count} Teams: {number} kommen weiter: {teams}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/stages.py"/>
+        <source>{teams} tie for {stage}, place {place}: {by} decides</source>
+        <translation>{teams} sind gleich in {stage}, Platz {place}: {by} entscheidet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/stages.py"/>
+        <source>{stage}: {teams} tie, and {number} of them can advance: name who does in &apos;chosen&apos; of the stage (docs/results.md)</source>
+        <translation>{stage}: {teams} sind gleich, und {number} davon können weiterkommen: nennen Sie sie in &apos;chosen&apos; der Stufe (docs/results.md)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/stages.py"/>
+        <source>{stage}: {teams} tie, so all of them advance</source>
+        <translation>{stage}: {teams} sind gleich, daher kommen alle weiter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/stages.py"/>
+        <source>{stage}: who advances from {before} is not decided yet</source>
+        <translation>{stage}: wer aus {before} weiterkommt, ist noch nicht entschieden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/stages.py"/>
+        <source>{team} has a result in {test} but did not advance: it does not count in {stage}</source>
+        <translation>{team} hat ein Ergebnis in {test}, kam aber nicht weiter: es zählt nicht in {stage}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/stages.py"/>
+        <source>{part} counts 0: no team has more than 0</source>
+        <translation>{part} zählt 0: kein Team hat mehr als 0</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/stages.py"/>
+        <source>{part} has no runs yet</source>
+        <translation>{part} hat noch keine Läufe</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/standings.py"/>
+        <source>team {team}, {turn}: {what}</source>
+        <translation>Team {team}, {turn}: {what}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/standings.py"/>
+        <source>team {team}, {turn}: not signed off yet, so it does not count</source>
+        <translation>Team {team}, {turn}: noch nicht abgeschlossen, zählt also nicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/standings.py"/>
+        <source>team {team} gets 0 for {part}: none of its runs counts</source>
+        <translation>Team {team} erhält 0 für {part}: keiner seiner Läufe zählt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/standings.py"/>
+        <source>team {team} gets 0 for {part}: its run is not signed off yet</source>
+        <translation>Team {team} erhält 0 für {part}: sein Lauf ist noch nicht abgeschlossen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/standings.py"/>
+        <source>team {team} has a run of {part} that is not signed off yet: it does not count</source>
+        <translation>Team {team} hat einen Lauf von {part}, der noch nicht abgeschlossen ist: er zählt nicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/standings.py"/>
+        <source>scored by an earlier sheet ({changed}): run {runs}</source>
+        <translation>nach einem früheren Bogen bewertet ({changed}): Lauf {runs}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{item} at {time}: after the limit of {limit}, so it does not count</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{item}{time}: void because of: {incident}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{item}{time}: must not count: {why}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{incident}{time}: the {number}. time, {times} allowed: it has no effect</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{incident}{time}: {points} points, allowed below {below}: it has no effect</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{incident}{time}: it has no effect ({why})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>no {fact}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{incident} at {time}, by itself</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{item}: {sum} = {points}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{item}: {sum}, at least {limit}: {points}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{item}: {sum}, at most {limit}: {points}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{item}: {number} ×, only {times} × count</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{item}: does not count without {needs}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{item}: does not count with {other}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{item}: {number} ×, but {other} only {times} ×</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/standby/box_end.py"/>

@@ -63,7 +63,7 @@ def attempts_rule(report: Report, node: Optional[Node], what: str) -> Optional[A
 def benchmark_code(report: Report, key: Scalar, codes: Sequence[str] = ()) -> Optional[str]:
     """Read a code: one of `codes`, or of the registry, or another that a competition may define; None after an error.
     """
-    is_new = key.text in codes or CODE.fullmatch(key.text) and nearest(key.text, PROFILES) is None
+    is_new = key.text in codes or (CODE.fullmatch(key.text) and nearest(key.text, PROFILES) is None)
     return key.text if is_new else choice(report, key, "a benchmark", tuple(PROFILES), "a benchmark code")
 
 
