@@ -31,7 +31,7 @@ from roah_rsbb.web.numbered import Key, Numbered, NumberedDocument
 from roah_rsbb.web.pairing import JUDGE, Grant
 from roah_rsbb.web.public_documents import FIXED_TEXTS, Data, Store
 from roah_rsbb.wording import judging, public, schedule, sheets, stop, times, todo, whole_box
-from roah_rsbb.wording.language import tr, tr_said
+from roah_rsbb.wording.language import number, tr, tr_said
 from roah_rsbb.wording.sheets import scores_by_group, with_counting
 from roah_rsbb.wording.times import Figure, Moments, clock_of, formatted
 from roah_rsbb.wording.whole_box import LinkQuality
@@ -136,7 +136,7 @@ def item_page(item: SheetItem) -> Data:
     """Return a scoring item."""
     return {
         "group": item.group, "desc": item.desc, "type": item.type, "value": item.value,
-        "text": item.text, "not_attempted": item.not_attempted, "points": item.points,
+        "text": item.text, "not_attempted": item.not_attempted, "points": number(item.points),
         "shown": sheets.item_value(item.type, item.value, item.not_attempted, item.text),
         "min": item.min, "max": item.max, "choices": item.choices, "judges": item.judges, "ratings": item.ratings,
     }

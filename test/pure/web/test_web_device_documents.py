@@ -10,10 +10,11 @@ from helpers.public_box import PublicBox
 from helpers.shown_box import MONO, NOW, ShownBox, zone_of
 from roah_rsbb.core.actions.runs import SIGNED_OFF
 from roah_rsbb.model.results import Judging, RunLine
-from roah_rsbb.model.zone import Count, RunClock
+from roah_rsbb.model.zone import Count, RunClock, SheetItem
 from roah_rsbb.web import device_documents
 from roah_rsbb.web.device_documents import MAX_UNSIGNED, NO_STOP, STOP, Desk
 from roah_rsbb.web.public_documents import Store
+from roah_rsbb.wording.language import in_language
 
 KEY = ("page.zone", "en", "Home")
 CLOCK = ("page.clock", "en", "Home")
@@ -154,6 +155,13 @@ def test_only_what_devices_show_is_made(desk):
     desk.put(zone_of(team="Beta"))
     assert desk.document(KEY) == before
     assert data(desk, ("page.zone", "de", "Home"))["team"] == "Beta"
+
+
+def test_the_points_of_an_item_have_the_decimal_sign_of_the_language():
+    item = SheetItem("Table", "Litres", "decimal", text="1.25", points="41.669")
+    with in_language(lambda text, n: text.replace("{whole}.", "{whole},")):
+        shown = device_documents.item_page(item)
+    assert (shown["shown"], shown["points"]) == ("1,25", "41,669")
 
 
 def test_a_box_is_heard_while_its_document_is_current(desk):

@@ -39,7 +39,7 @@ from roah_rsbb.rqt.qt import (
     QVBoxLayout,
     QWidget,
 )
-from roah_rsbb.wording import sheets
+from roah_rsbb.wording import language, sheets
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.sheets import scores_by_group
 from roah_rsbb.wording.times import NOTHING
@@ -473,7 +473,7 @@ class ScoringPanel(Panel):
             judges = [(*name[:2], judge) for judge in item.judges]
             waiting = any(self._edits.is_waiting(each) for each in (name, *judges))
             row.show_value(self._edits.value(name, published), waiting, why_off)
-            row.show_points(item.points)
+            row.show_points(language.number(item.points))
             if isinstance(row, RatingRow):
                 row.ratings.show_ratings([
                     (judge[2], self._edits.value(judge, text)) for judge, text in zip(judges, item.ratings)])
