@@ -23,12 +23,13 @@ from roah_rsbb.model.reason import Refused
 from roah_rsbb.rulebook import config, event_ids
 from roah_rsbb.rulebook.benchmarks import Config, ZonePlan
 from roah_rsbb.rulebook.changes import changes, warnings
+from roah_rsbb.rulebook.decisions import beside
 from roah_rsbb.rulebook.errors import CannotRead, ConfigErrors, known, read_bytes
 from roah_rsbb.rulebook.event_ids import EventKey
 from roah_rsbb.rulebook.standing_rules import StandingRules, read_rules
 
-# The places of the schedule and of the passwords among the files.
-_SCHEDULE, _PASSWORDS = 1, 2
+# The places of files among the files.
+_SCHEDULE, _PASSWORDS, _STANDINGS, _DECISIONS = 1, 2, 3, 4
 # An editor may write a file while it is read.
 MAX_READINGS = 5
 EDITED = ("The configuration files were changed since the box read them. It continues with what it read. To take the "
@@ -71,10 +72,11 @@ class Configuration:
 
     def _begin(self, before: Optional[InForce]) -> Content:
         kept = None if before is None else before.versions[before.present]
-        if kept is not None and self._launch and before.launch == self._launch and kept.paths == self._paths:
+        is_same = kept is not None and tuple(filter(None, kept.paths[:_DECISIONS])) == self._paths
+        if is_same and self._launch and before.launch == self._launch:
             content = _load_texts(kept)
             if content is not None:
-                if _without_passwords(_read(self._paths)) != kept:
+                if _without_passwords(_read(self._files())) != kept:
                     self.notices.append(EDITED)
                 return content
         content = self.read()
@@ -94,11 +96,18 @@ class Configuration:
     def read(self) -> Content:
         """Read the files. Raises ConfigErrors with the errors of all of them."""
         for _ in range(MAX_READINGS):
-            texts = _read(self._paths)
+            texts = _read(self._files())
             content = _load(self._paths, texts)
-            if _read(self._paths) == texts:
+            if _read(self._files()) == texts:
                 break
         return content
+
+    def _files(self) -> Tuple[str, ...]:
+        """Return the paths of the files that there are now: somebody may add decisions."""
+        decisions = beside(self._paths[0])
+        if not os.path.lexists(decisions):
+            return self._paths
+        return (*self._paths, *[""] * (_DECISIONS - len(self._paths)), decisions)
 
     def read_next(self, ran: Sequence[EventKey] = ()) -> Content:
         """Read the files again. Events without an id are known from the schedule in force, and from the events of all
@@ -197,7 +206,7 @@ def _load(paths: Sequence[str], texts: Texts) -> Content:
     errors = []
     rules = StandingRules()
     try:
-        rules = read_rules(paths[3]) if len(paths) > 3 else rules
+        rules = read_rules(paths[_STANDINGS]) if any(paths[_STANDINGS:_DECISIONS]) else rules
     except ConfigErrors as found:
         errors += found.errors
     try:
@@ -206,7 +215,8 @@ def _load(paths: Sequence[str], texts: Texts) -> Content:
         raise ConfigErrors(found.errors + errors) from None
     if errors:
         raise ConfigErrors(errors)
-    return Content(replace(loaded, ranking=rules), tuple(warnings), texts)
+    decisions = tuple(dict.fromkeys((*loaded.decisions, *rules.decisions)))
+    return Content(replace(loaded, ranking=rules, decisions=decisions), tuple(warnings), texts)
 
 
 def _load_texts(texts: Texts) -> Optional[Content]:

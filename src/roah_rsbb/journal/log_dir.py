@@ -335,8 +335,9 @@ def _append(path: str, port: int, on_problem: Callable[[OSError], None]) -> None
 # were connected before a change of the configuration also need the earlier files. Passwords are never copied to this
 # place (docs/journal.md, "The configuration in force").
 
-# What the files of a version are, in their order. A box without rules for standings has three.
-NAMES = ("benchmarks", "schedule", "passwords", "standings")
+# What the files of a version are, in their order. A box without rules for standings has three, or an empty path as the
+# fourth if there are decisions.
+NAMES = ("benchmarks", "schedule", "passwords", "standings", "decisions")
 
 
 class Texts(NamedTuple):

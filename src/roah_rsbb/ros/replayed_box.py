@@ -30,6 +30,7 @@ from roah_rsbb.results.runs import (
 )
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import Config
+from roah_rsbb.rulebook.decisions import beside
 from roah_rsbb.rulebook.errors import known
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.texts import one_line
@@ -141,8 +142,10 @@ def configuration(
                                "journal, or give --benchmarks-file and --schedule-file")
         for number, name in enumerate(("benchmarks", "schedule")):
             if paths[number] is None:
-                paths[number] = f"{os.path.join(log_dir, CONFIGURATION)}, {name}.yaml"
+                paths[number] = os.path.join(log_dir, CONFIGURATION, f"{name}.yaml")
                 texts[paths[number]] = kept[name]
+        if benchmarks_file is None and "decisions" in kept:
+            texts[beside(paths[0])] = kept["decisions"]
     with known(texts):
         benchmarks, zones = config.load_schedule(*paths)
     used = {change.zone for change in run.changes}

@@ -40,11 +40,19 @@ def changes(before: Config, after: Config, ran: Iterable[EventKey] = ()) -> List
         has_days = any(column.day for stage in after.ranking.stages for column in stage.of)
         found.append(f"time zone: {before.time_zone or 'none'}, now {after.time_zone or 'none'}"
                      + (". The days of the overall standings are those of the new one" if has_days else ""))
+    for name, reading in _readings(after).items():
+        if _readings(before).get(name, reading) != reading:
+            found.append(f"decision {quote(name)}: {_readings(before)[name]}, now {reading}")
     if before.ranking != after.ranking:
         found.append("standings: other rules")
     if not found and before != after:
         found.append("schedule: another order")
     return found
+
+
+def _readings(files: Config) -> Dict[str, str]:
+    """Return which reading of each choice holds."""
+    return {decision.name: decision.chosen for decision in files.decisions}
 
 
 # -- benchmarks -------------------------------------------------------------------------------------

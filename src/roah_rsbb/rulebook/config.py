@@ -11,7 +11,7 @@ from decimal import Decimal
 from typing import Any, Dict, FrozenSet, List, Optional, Set, Tuple
 
 from roah_rsbb.ground import linux
-from roah_rsbb.model.rules import NO_SHEET, Decision
+from roah_rsbb.model.rules import NO_SHEET
 from roah_rsbb.model.scoring import Agreement, JudgesRule
 from roah_rsbb.rulebook.benchmarks import (
     ALL_TEAMS,
@@ -27,7 +27,7 @@ from roah_rsbb.rulebook.benchmarks import (
     ScheduledEvent,
     ZonePlan,
 )
-from roah_rsbb.rulebook.decisions import resolved
+from roah_rsbb.rulebook.decisions import decisions_in, resolved
 from roah_rsbb.rulebook.errors import ConfigError, ConfigErrors, Place, Report, line_list, quote
 from roah_rsbb.rulebook.event_ids import VALID, adopted, known_by
 from roah_rsbb.rulebook.registry import CODE, PROFILES, USES, BenchmarkKind, Profile, new_profile
@@ -54,7 +54,7 @@ def load(benchmarks_file: str, schedule_file: str, passwords_file: str) -> Tuple
     settings = schedule.settings
     return Config(benchmarks.by_code, passwords.by_team, schedule.zones, durable=settings.durable,
                   durable_at=settings.durable_at, time_zone=settings.time_zone,
-                  decisions=benchmarks.decisions()), report.warnings
+                  decisions=decisions_in(benchmarks.decided)), report.warnings
 
 
 def load_benchmarks(benchmarks_file: str) -> Dict[str, Benchmark]:
@@ -141,10 +141,6 @@ class BenchmarksFile:
         # If a code or key is repeated, or a code is missing, the author may have meant another code.
         doubtful = None in found or len(set(found)) < len(found)
         self.codes = None if doubtful else {code for code in found if code}
-
-    def decisions(self) -> Tuple[Decision, ...]:
-        """Return what the file leaves to people."""
-        return tuple(dict.fromkeys(each.decision for each in self.decided))
 
     def _entry(self, node: Node) -> Optional[str]:
         """Read one benchmark. Return its code if the code itself has no error, even if other fields have."""

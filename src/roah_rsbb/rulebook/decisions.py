@@ -7,7 +7,7 @@ chosen values in their places before the file is read, so that no other reader n
 """
 
 import os
-from typing import Dict, List, NamedTuple, Optional, Set, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
 
 from roah_rsbb.model.rules import Decision
 from roah_rsbb.rulebook.errors import Place, Report, is_known, quote
@@ -45,6 +45,11 @@ def resolved(report: Report, root: Optional[Node], path: str) -> Tuple[Optional[
     node = found.value(root) or Mapping(root.place, (), whole=True)
     _report_unknown(report, chosen, path, found)
     return node, tuple(found.places)
+
+
+def decisions_in(*found: Iterable[Decided]) -> Tuple[Decision, ...]:
+    """Return the choices of these places, each once."""
+    return tuple(dict.fromkeys(each.decision for places in found for each in places))
 
 
 def _chosen(report: Report, path: str) -> Dict[str, Tuple[Scalar, Node]]:

@@ -7,7 +7,8 @@ several benchmarks become one ranking.
 
 from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.model.rules import Adjusted, AttemptsRule, Stage
+from roah_rsbb.model.rules import Adjusted, AttemptsRule, Decision, Stage
+from roah_rsbb.rulebook.decisions import decisions_in, resolved
 from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.rulebook.stage_rules import StageReader, attempts_rule, benchmark_code
 from roah_rsbb.rulebook.yaml_fields import choice, fields, number, sequence, text
@@ -63,6 +64,7 @@ class StandingRules(Dict[str, Rules]):
 
     stages: Tuple[Stage, ...] = ()
     adjusted: Tuple[Adjusted, ...] = ()  # what teams were given outside any run
+    decisions: Tuple[Decision, ...] = ()  # what they leave to people
 
     def __eq__(self, other: object) -> bool:
         return (dict.__eq__(self, other) is True and self.stages == getattr(other, "stages", ())
@@ -84,6 +86,8 @@ def read_rules(
     report = Report()
     rules = StandingRules()
     root = read_yaml(path, report, "the file with the standings' rules (--rules)", _SHAPE)
+    root, decided = resolved(report, root, path)
+    rules.decisions = decisions_in(decided)
     if isinstance(root, Mapping):
         found = {key.text: node for key, node in root.pairs if key.text in (OVERALL, STAGES)}
         for key, node in root.pairs:

@@ -8,7 +8,7 @@ import pytest
 from helpers.config_files import SHIPPED
 from roah_rsbb.box import configuration
 from roah_rsbb.box.configuration import EDITED, Configuration
-from roah_rsbb.journal.log_dir import CONFIGURATION, read_in_force
+from roah_rsbb.journal.log_dir import CONFIGURATION, kept_files, read_in_force
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.event_ids import key_of
 
@@ -62,6 +62,30 @@ def test_an_edited_file_has_no_effect_until_it_is_read_again(competition):
                                      "benchmark HGTKMH: total timeout 600, now 480"]
     assert content.digest != core.content.digest
     assert core.read().digest == content.digest
+
+
+def test_decisions_may_be_added_and_are_kept(competition):
+    decided = "timeout: {decide: Time, long: 600, short: 480}"
+    competition.edit("benchmarks.yaml", "code: HGTKMH\n  timeout: 600", f"code: HGTKMH\n  {decided}")
+    core = competition.core()
+    assert minutes(core.content.config) == 10.0
+    (competition.folder / "decisions.yaml").write_text("Time: short\n", "utf-8")
+    assert competition.core().notices == [EDITED]
+    assert core.changes(core.read())[-1] == "decision 'Time': long, now short"
+    competition.reload(core)
+    (competition.folder / "decisions.yaml").unlink()
+    again = competition.core()
+    assert (again.notices, minutes(again.content.config)) == ([EDITED], 8.0)
+    assert kept_files(competition.log_dir)["decisions"] == "Time: short\n"
+
+
+def test_decisions_of_a_box_without_rules_for_standings(competition):
+    (competition.folder / "decisions.yaml").write_text("Time: short\n", "utf-8")
+    competition.edit("benchmarks.yaml", "timeout: 600", "timeout: {decide: Time, long: 600, short: 480}")
+    paths = [str(competition.folder / name) for name in NAMES]
+    for _ in range(2):
+        core = Configuration(competition.log_dir, "launch 1", paths[:3], None)
+        assert (core.notices, [each.chosen for each in core.content.config.decisions]) == ([], ["short"])
 
 
 def test_the_errors_of_all_files_at_once(competition):

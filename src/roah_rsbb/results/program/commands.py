@@ -91,7 +91,7 @@ def _beside(options: argparse.Namespace, name: str) -> str:
 
 def _kept_path(options: argparse.Namespace, name: str) -> str:
     """How errors name a file that the box kept."""
-    return f"{os.path.join(_log_dir(options), CONFIGURATION)}, {name}"
+    return os.path.join(_log_dir(options), CONFIGURATION, name)
 
 
 def _log_dir(options: argparse.Namespace) -> str:

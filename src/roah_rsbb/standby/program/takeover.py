@@ -205,7 +205,9 @@ class StandbyFolder:
         os.makedirs(self._in(CONFIGURATION), exist_ok=True)
         found = {"standings_file": "none"}
         for name, text in kept.items():
-            found[f"{name}_file"] = path = os.path.join(self.path, CONFIGURATION, f"{name}.yaml")
+            path = os.path.join(self.path, CONFIGURATION, f"{name}.yaml")
+            if name != "decisions":  # the box finds it beside the benchmarks
+                found[f"{name}_file"] = path
             with open(path, "w", encoding="utf-8", newline="") as file:
                 file.write(text)
         found["passwords_file"] = self._in(PASSWORDS)

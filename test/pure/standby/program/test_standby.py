@@ -46,7 +46,8 @@ def copied(tmp_path):
     made = Copied(tmp_path)
     write_in_force(str(made.log_dir), InForce("launch", 3, {
         2: Texts(("b", "s", "p"), ("old", "old", None)),
-        3: Texts(("/x/b.yaml", "/x/s.yaml", "/x/p.yaml"), ("benchmarks", "schedule", None))}))
+        3: Texts(("/x/b.yaml", "/x/s.yaml", "/x/p.yaml", "", "/x/decisions.yaml"),
+                 ("benchmarks", "schedule", None, None, "decisions"))}))
     made.writer.entry("/notification", "now")
     assert made.step()
     made.follower.close()
@@ -95,6 +96,7 @@ def test_the_box_starts_with_everything_that_was_copied(copied):
         "schedule_file": f"{stick}/configuration/schedule.yaml",
         "passwords_file": f"{stick}/passwords.yaml", "standings_file": "none"}
     assert (copied.stick / "configuration" / "schedule.yaml").read_text() == "schedule"
+    assert (copied.stick / "configuration" / "decisions.yaml").read_text() == "decisions"
     assert (copied.stick / "configuration" / "benchmarks.yaml").read_text() == "benchmarks"
 
 
