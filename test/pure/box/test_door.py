@@ -172,7 +172,8 @@ def test_a_call_that_fails_is_logged_once_and_answered(box, caplog):
         client.send(id=number, call="break")
         assert "of a toy" in client.read_answer()["error"]
     assert [record.levelname for record in caplog.records] == ["ERROR"]
-    box.door.add_calls({"save": lambda given, caller: Waiting(lambda: str(1 / 0)), "strange": lambda given, caller: {1}})
+    box.door.add_calls({"save": lambda given, caller: Waiting(lambda: str(1 / 0)),
+                        "strange": lambda given, caller: {1}})
     for name in ("save", "strange"):
         client.send(id=4, call=name)
         assert "error" in client.read_answer()
