@@ -176,7 +176,7 @@ def item_lines(items: Sequence[SheetItem], points: Optional[SheetPoints], style:
         if number == 1 or item.group != items[number - 2].group:
             lines.append(f"{_IN}{escaped(item.group)}")
         lines.append(_sheet_line(number, item, style) + (mark if item.corrected else ""))
-    total = sheets.points_of(points)
+    total = sheets.points_text(points)
     return [*lines, f"{_IN}{style(BOLD, escaped(total))}"] if total else lines
 
 
