@@ -5248,11 +5248,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>the score sheet has no entry {number}: {hint}</source>
-        <translation>der Wertungsbogen hat keinen Eintrag {number}: {hint}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>entry {number} was withdrawn already, by {who}</source>
         <translation>Eintrag {number} wurde schon zurückgenommen, von {who}</translation>
     </message>
@@ -5265,6 +5260,11 @@
         <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>{most} entries of the score sheet already have a note or are withdrawn: {instead}</source>
         <translation>{most} Einträge des Wertungsbogens haben schon eine Notiz oder sind zurückgenommen: {instead}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>the score sheet has no entry {number}: {hint}</source>
+        <translation>der Wertungsbogen hat keinen Eintrag {number}: {hint}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
@@ -5394,77 +5394,77 @@
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{item} at {time}: after the limit of {limit}, so it does not count</source>
-        <translation type="unfinished"></translation>
+        <translation>{item} um {time}: nach dem Zeitlimit von {limit}, zählt also nicht</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{item}{time}: void because of: {incident}</source>
-        <translation type="unfinished"></translation>
+        <translation>{item}{time}: ungültig wegen: {incident}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{item}{time}: must not count: {why}</source>
-        <translation type="unfinished"></translation>
+        <translation>{item}{time}: darf nicht zählen: {why}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{incident}{time}: the {number}. time, {times} allowed: it has no effect</source>
-        <translation type="unfinished"></translation>
+        <translation>{incident}{time}: zum {number}. Mal, erlaubt sind {times}: ohne Wirkung</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{incident}{time}: {points} points, allowed below {below}: it has no effect</source>
-        <translation type="unfinished"></translation>
+        <translation>{incident}{time}: {points} Punkte, erlaubt unter {below}: ohne Wirkung</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{incident}{time}: it has no effect ({why})</source>
-        <translation type="unfinished"></translation>
+        <translation>{incident}{time}: ohne Wirkung ({why})</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>no {fact}</source>
-        <translation type="unfinished"></translation>
+        <translation>nicht: {fact}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{incident} at {time}, by itself</source>
-        <translation type="unfinished"></translation>
+        <translation>{incident} um {time}, von selbst</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{item}: {sum} = {points}</source>
-        <translation type="unfinished"></translation>
+        <translation>{item}: {sum} = {points}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{item}: {sum}, at least {limit}: {points}</source>
-        <translation type="unfinished"></translation>
+        <translation>{item}: {sum}, mindestens {limit}: {points}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{item}: {sum}, at most {limit}: {points}</source>
-        <translation type="unfinished"></translation>
+        <translation>{item}: {sum}, höchstens {limit}: {points}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{item}: {number} ×, only {times} × count</source>
-        <translation type="unfinished"></translation>
+        <translation>{item}: {number} ×, nur {times} × zählen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{item}: does not count without {needs}</source>
-        <translation type="unfinished"></translation>
+        <translation>{item}: zählt nicht ohne {needs}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{item}: does not count with {other}</source>
-        <translation type="unfinished"></translation>
+        <translation>{item}: zählt nicht mit {other}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{item}: {number} ×, but {other} only {times} ×</source>
-        <translation type="unfinished"></translation>
+        <translation>{item}: {number} ×, aber {other} nur {times} ×</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/standby/box_end.py"/>

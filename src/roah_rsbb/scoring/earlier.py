@@ -7,7 +7,16 @@ import functools
 from typing import Dict, List
 
 from roah_rsbb.model.rules import Condition, Item, Measure, Sheet
-from roah_rsbb.model.scoring import MAX_DECIMALS, TIME_LEFT, GroupLimits, Key, ScoreKind, ScoringItem, SheetForm, TimeLeft
+from roah_rsbb.model.scoring import (
+    MAX_DECIMALS,
+    TIME_LEFT,
+    GroupLimits,
+    Key,
+    ScoreKind,
+    ScoringItem,
+    SheetForm,
+    TimeLeft,
+)
 
 _MEASURES = {
     ScoreKind.BOOL: Measure.YES, ScoreKind.UINT: Measure.COUNT, ScoreKind.INT: Measure.NUMBER,

@@ -432,7 +432,7 @@ class _Tree:
     def _before(self, item: Item, condition: Condition) -> Fraction:
         """Return how many counts of an item were made before what they need, from the count on that needs it."""
         if not condition.after:
-            return 0
+            return ZERO
         needed = self._all_under(condition.item)
         begin = min((at_s or ZERO for item_id, _, at_s in self._order if item_id in needed), default=ZERO)
         early, before = ZERO, ZERO
