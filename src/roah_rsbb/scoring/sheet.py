@@ -345,7 +345,7 @@ class ScoreSheet:
         return None
 
     def _divided(self, index: int, later: ScoreEntry) -> bool:
-        """Whether an incident, or the end of the time, lies between an entry and a later one: the moment of each
+        """Whether an incident, or the time limit, lies between an entry and a later one: the moment of each
         decides whether it counts."""
         limit, first = self._rules.limit_s, self._history[index]
         late = [limit is not None and entry.clock_s is not None and entry.clock_s > limit and not entry.in_time
