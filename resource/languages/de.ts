@@ -5248,6 +5248,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>the score sheet has no entry {number}: {hint}</source>
+        <translation>der Wertungsbogen hat keinen Eintrag {number}: {hint}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>entry {number} was withdrawn already, by {who}</source>
         <translation>Eintrag {number} wurde schon zurückgenommen, von {who}</translation>
     </message>
@@ -5260,11 +5265,6 @@
         <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>{most} entries of the score sheet already have a note or are withdrawn: {instead}</source>
         <translation>{most} Einträge des Wertungsbogens haben schon eine Notiz oder sind zurückgenommen: {instead}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>the score sheet has no entry {number}: {hint}</source>
-        <translation>der Wertungsbogen hat keinen Eintrag {number}: {hint}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
@@ -5394,7 +5394,7 @@
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{item} at {time}: after the limit of {limit}, so it does not count</source>
-        <translation>{item} um {time}: nach dem Zeitlimit von {limit}, zählt also nicht</translation>
+        <translation>{item} bei {time}: nach dem Limit von {limit}, zählt also nicht</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
@@ -5409,7 +5409,7 @@
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{incident}{time}: the {number}. time, {times} allowed: it has no effect</source>
-        <translation>{incident}{time}: zum {number}. Mal, erlaubt sind {times}: ohne Wirkung</translation>
+        <translation>{incident}{time}: das {number}. Mal, erlaubt {times}: ohne Wirkung</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
@@ -5424,17 +5424,32 @@
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>no {fact}</source>
-        <translation>nicht: {fact}</translation>
+        <translation>{fact}: nein</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{incident} at {time}, by itself</source>
-        <translation>{incident} um {time}, von selbst</translation>
+        <translation>{incident} bei {time}, von selbst</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{item}: {number} × {each} = {points}</source>
+        <translation>{item}: {number} × {each} = {points}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{item}: {sum} = {points}</source>
         <translation>{item}: {sum} = {points}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>Total: {points}</source>
+        <translation>Gesamt: {points}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>Total: {sum} = {points}</source>
+        <translation>Gesamt: {sum} = {points}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>

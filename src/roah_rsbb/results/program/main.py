@@ -27,6 +27,7 @@ Examples:
   results standings HGTKMH --signed-off          ranking of the teams
   results --journal /media/usb/roah_rsbb_journal list
   results verify                                 whether the journal is whole
+  results try case.json                          what the rules give for marks that are written down
 
 Times are those of the venue (time_zone in schedule.yaml) with their UTC offset; --utc shows UTC.
 The journal is never changed.
@@ -55,6 +56,10 @@ sheet, and lines for times, remarks and signatures.
 _CHECKLIST = """\
 Lists all events of the schedule: signed off (final, and public if the organisers publish results), not signed off, or
 without a run. The exit status is 0 only if every event has a signed-off result, so scripts can wait for it.
+"""
+_TRY = """\
+Computes cases without a box: marks and incidents of a run, several attempts, or the points of teams (docs/results.md,
+"Cases"). FILE is JSON: a case, or a list of cases. The exit status is 1 if a case expects something else.
 """
 _BAG = """\
 Writes a run's log (rosbag) from the journal, also that of a run that is not over. This needs no ROS.
@@ -145,6 +150,12 @@ def _add_views(commands: Any) -> None:
     check.add_argument("--missing", action="store_true", help="only events without a signed-off result")
     _add_files(check)
     check.set_defaults(command="checklist", module="files")
+    tried = commands.add_parser("try", help="compute points of marks that are written down", description=_TRY)
+    tried.add_argument("file", metavar="FILE")
+    tried.add_argument("--rulebook", metavar="NAME", default="",
+                       help="an included rulebook, or the folder of a competition; default: that of the case")
+    tried.add_argument("--json", action="store_true", help="points and steps for programs")
+    tried.set_defaults(command="try_cases", module="trying")
 
 
 def _add_recovery(commands: Any) -> None:

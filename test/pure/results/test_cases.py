@@ -1,0 +1,94 @@
+"""Cases: what rules give for marks and incidents that are written down, and RoboCup@Home 2026 in all its readings."""
+
+import functools
+import json
+
+import pytest
+
+from helpers.config_files import SHIPPED
+from roah_rsbb.results.cases import answer, differences, read_cases, read_folder
+from roah_rsbb.results.program.main import main
+from roah_rsbb.rulebook.decisions import resolved
+from roah_rsbb.rulebook.errors import Report
+from roah_rsbb.rulebook.yaml_lines import read_yaml
+
+ATHOME = str(SHIPPED / "rulebooks" / "athome2026")
+CASES = read_cases(f"{ATHOME}/cases.json")
+GPSR = "General Purpose Service Robot"
+
+
+@functools.lru_cache(maxsize=None)
+def rules(*decisions):
+    return read_folder(ATHOME, str(SHIPPED), dict(decisions))
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["id"])
+def test_the_rules_give_what_was_computed_by_hand(case):
+    found = answer(case, rules(*case.get("decisions", {}).items()))
+    assert differences(case, found) == []
+    assert found.steps
+
+
+def test_each_reading_of_each_choice_has_a_case():
+    decided = [each.decision for path in (f"{ATHOME}/benchmarks.yaml", f"{ATHOME}/standings.yaml")
+               for each in resolved(Report(), read_yaml(path, Report(), "", ""), path)[1]]
+    with_cases = {(name, reading) for case in CASES for name, reading in case.get("decisions", {}).items()}
+    assert {(each.name, reading) for each in decided for reading in each.readings[1:]} == with_cases
+
+
+@pytest.mark.parametrize("code, rows", [
+    ("HRI", 25), ("PickAndPlace", 32), ("GPSR", 13), ("Laundry", 21), ("Restaurant", 21), ("Final", 15),
+])
+def test_rows_have_their_numbers_on_the_sheet(code, rows):
+    ids = [item.id for item in rules().benchmarks[code].sheet.items]
+    # The start signal has no row where the arena has no door.
+    assert sorted(int(each) for each in ids if each.isdigit()) == list(range(rows))
+
+
+def tried(capsys, tmp_path, content, *options):
+    path = tmp_path / "case.json"
+    path.write_text(content if isinstance(content, str) else json.dumps(content), encoding="utf-8")
+    with pytest.raises(SystemExit) as end:
+        main(["try", str(path), *options])
+    out, err = capsys.readouterr()
+    return end.value.code, out, err
+
+
+CASE = {"sheet": GPSR, "marks": [["Understands", 1, {"i": 0}], ["Asks again", 3, {"i": 2}], ["Operator", 1, {"i": 1}]]}
+
+
+def test_a_case_on_the_command_line(capsys, tmp_path):
+    assert tried(capsys, tmp_path, CASE) == (0, f"{GPSR}: 0\n  Has it said in other words: 3 × −30 = −90\n"
+                                             "  Understands a command: 80 − 20 − 90, at least 0: 0\n  Total: 0\n", "")
+    status, out, _ = tried(capsys, tmp_path, {**CASE, "expected": 80})
+    assert status == 1 and "WRONG: points 0, expected 80" in out
+
+
+def test_cases_for_programs(capsys, tmp_path):
+    status, out, _ = tried(capsys, tmp_path, CASE, "--json")
+    assert status == 0
+    assert json.loads(out) == {"points": 0, "steps": [
+        "Has it said in other words: 3 × −30 = −90", "Understands a command: 80 − 20 − 90, at least 0: 0", "Total: 0"]}
+    out = tried(capsys, tmp_path, [{**CASE, "id": "a"}, {**CASE, "id": "b", "marks": [["Solves", 1, {
+        "i": 4, "percent": 50.5}]]}], "--json")[1]
+    assert [(each["id"], each["points"]) for each in json.loads(out)] == [("a", 0), ("b", 126.25)]
+    standings = next(case for case in CASES if case.get("kind") == "standings")
+    assert list(json.loads(tried(capsys, tmp_path, standings, "--json")[1])) == [
+        "totals", "finalists", "ranking", "steps"]
+
+
+@pytest.mark.parametrize("content, options, error", [
+    ({"sheet": "General Purpose"}, [], "no sheet 'General Purpose'"),
+    ({"sheet": GPSR, "marks": [["x", 1, {"i": 77}]]}, [], "no row 77 on the sheet"),
+    ({"sheet": GPSR, "marks": [["x", "many", {"i": 0}]]}, [], "'many' is not a number"),
+    ({"sheet": GPSR, "marks": [["x", 1, {"i": 0, "t": "soon"}]]}, [], "'soon' is not a number"),
+    ({**CASE, "decisions": {"Floor of an objectiv": "each time"}}, [], "unknown choice 'Floor of an objectiv'"),
+    ({**CASE, "decisions": {"Floor of an objective": "sometimes"}}, [], "as reading of 'Floor of an objective'"),
+    (CASE, ["--rulebook", "athome2027"], "no rulebook 'athome2027'"),
+    ({**CASE, "kind": "standings"}, ["--rulebook", "erl2019"], "no stages"),
+    ("{", [], "is not JSON"),
+])
+def test_what_does_not_fit_together(capsys, tmp_path, content, options, error):
+    status, out, err = tried(capsys, tmp_path, content, *options)
+    assert (status, out) == (1, "")
+    assert error in err
