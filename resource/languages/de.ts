@@ -4208,6 +4208,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/views/document.py"/>
+        <source>START would begin the benchmark again: what was measured so far would not count</source>
+        <translation>START würde den Benchmark von vorn beginnen: Was bisher gemessen wurde, würde nicht zählen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/views/document.py"/>
         <source>START would continue the run: its next end would count instead of this one</source>
         <translation>START würde den Lauf fortsetzen: Sein nächstes Ende würde statt diesem zählen</translation>
     </message>

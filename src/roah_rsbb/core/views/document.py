@@ -30,7 +30,8 @@ SEVERAL = say("Several robots of team {team} are active ({robots}): choose which
 ALL_OK = say("All OK for start")
 STOPPED = say("Can be restarted. The clock is stopped")
 KEPT_RUNNING = say("Can be restarted. The clock kept running")
-# Of one that no referee stopped.
+# Where START would replace something: what a benchmarking module measured, or the end that the robot reported.
+FROM_BEGINNING = say("START would begin the benchmark again: what was measured so far would not count")
 NEXT_END = say("START would continue the run: its next end would count instead of this one")
 PAUSED = say("Clock paused by the referee")
 ATTEMPT = say("Attempt {number} of {all}")
@@ -307,7 +308,9 @@ def _run_lines(run: ZoneRun, view: ZoneSeen, now: Now) -> List[str]:
         elif not reasons:
             stops = run.times.rules.restarts is Restarts.CLOCK_STOPS
             lines.append(STOPPED if stops else KEPT_RUNNING)
-            if run.end_reason in RAN_TO_THE_END:
+            if isinstance(run, FunctionalityRun):
+                lines.append(FROM_BEGINNING)
+            elif run.end_reason in RAN_TO_THE_END:
                 lines.append(NEXT_END)
     elif run.times.state.paused:
         lines.append(PAUSED)

@@ -478,6 +478,7 @@ def test_stop_and_start_again_anywhere(reach):
     modules.lives(7.0)
     robot.says(RobotState.STOP)
     assert driver.run_in().clock.left(driver.now) == pytest.approx(left - 7.0, abs=0.01), "stopped time counts"
+    assert "START would begin the benchmark again: what was measured so far would not count" in driver.view().state
     driver.command("start")
     run = modules.run()
     assert (run.attempt, run.running, run.end_reason, run.steps, run.kept) == (2, True, "", (), "")
