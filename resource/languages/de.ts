@@ -5393,6 +5393,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/standings.py"/>
+        <source>{name}: {reading}</source>
+        <translation>{name}: {reading}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/standings.py"/>
         <source>scored by an earlier sheet ({changed}): run {runs}</source>
         <translation>nach einem früheren Bogen bewertet ({changed}): Lauf {runs}</translation>
     </message>

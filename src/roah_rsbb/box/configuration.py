@@ -21,7 +21,7 @@ from roah_rsbb.ground import durable
 from roah_rsbb.journal.log_dir import InForce, Texts, read_in_force, write_in_force
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.rulebook import config, event_ids
-from roah_rsbb.rulebook.benchmarks import Config, ZonePlan
+from roah_rsbb.rulebook.benchmarks import Config, ZonePlan, teams_of
 from roah_rsbb.rulebook.changes import changes, warnings
 from roah_rsbb.rulebook.decisions import beside
 from roah_rsbb.rulebook.errors import CannotRead, ConfigErrors, known, read_bytes
@@ -204,16 +204,18 @@ def _without_passwords(texts: Texts) -> Texts:
 def _load(paths: Sequence[str], texts: Texts) -> Content:
     """Read and check the files; raises ConfigErrors with the errors of all of them."""
     errors = []
+    loaded: Optional[Config] = None
     rules = StandingRules()
-    try:
-        rules = read_rules(paths[_STANDINGS]) if any(paths[_STANDINGS:_DECISIONS]) else rules
-    except ConfigErrors as found:
-        errors += found.errors
     try:
         loaded, warnings = config.load(*paths[:3])
     except ConfigErrors as found:
-        raise ConfigErrors(found.errors + errors) from None
-    if errors:
+        errors += found.errors
+    try:
+        known_names = () if loaded is None else (tuple(loaded.benchmarks), teams_of(loaded))
+        rules = read_rules(paths[_STANDINGS], *known_names) if any(paths[_STANDINGS:_DECISIONS]) else rules
+    except ConfigErrors as found:
+        errors += found.errors
+    if loaded is None or errors:
         raise ConfigErrors(errors)
     decisions = tuple(dict.fromkeys((*loaded.decisions, *rules.decisions)))
     return Content(replace(loaded, ranking=rules, decisions=decisions), tuple(warnings), texts)

@@ -238,6 +238,11 @@ class Adjusted:
     points: Decimal = Decimal(0)
     reason: str = ""
 
+    def __str__(self) -> str:
+        """As people read it."""
+        points = f" {self.points:+}" if self.points else ""
+        return f"{self.team}, {self.stage}: {self.name}{points}{f' ({self.reason})' if self.reason else ''}"
+
 
 @dataclass(frozen=True)
 class Stage:

@@ -11,6 +11,7 @@ from roah_rsbb.model.scoring import ScoreKind
 from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.errors import quote
 from roah_rsbb.rulebook.event_ids import EventKey, key_of
+from roah_rsbb.rulebook.standing_rules import StandingRules
 from roah_rsbb.wording.times import date_time
 
 # The fields of a benchmark whose differences are listed by other names.
@@ -43,8 +44,7 @@ def changes(before: Config, after: Config, ran: Iterable[EventKey] = ()) -> List
     for name, reading in _readings(after).items():
         if _readings(before).get(name, reading) != reading:
             found.append(f"decision {quote(name)}: {_readings(before)[name]}, now {reading}")
-    if before.ranking != after.ranking:
-        found.append("standings: other rules")
+    found += _of_ranking(before.ranking, after.ranking)
     if not found and before != after:
         found.append("schedule: another order")
     return found
@@ -53,6 +53,16 @@ def changes(before: Config, after: Config, ran: Iterable[EventKey] = ()) -> List
 def _readings(files: Config) -> Dict[str, str]:
     """Return which reading of each choice holds."""
     return {decision.name: decision.chosen for decision in files.decisions}
+
+
+def _of_ranking(before: StandingRules, after: StandingRules) -> List[str]:
+    """Return the differences of the rules of the standings."""
+    found = [f"standings of {code}: other rules" for code in {**before, **after} if before.get(code) != after.get(code)]
+    found += differences("stages", before.stages, after.stages)
+    for old, new, what in ((before, after, "no longer given"), (after, before, "given")):
+        left = collections.Counter(map(str, old.adjusted)) - collections.Counter(map(str, new.adjusted))
+        found += [f"team {text}: {what}" for text in left.elements()]
+    return found
 
 
 # -- benchmarks -------------------------------------------------------------------------------------

@@ -81,15 +81,13 @@ class StageReader:
         self._less = less
         self._codes = codes
         self._known_teams = teams
-        self._places: Dict[str, Place] = {}
+        self._places: Dict[str, Place] = {}  # of the stages by name, also of those with errors
 
     def read(self, node: Optional[Node]) -> None:
         """Read the stages, in their order."""
         for each in sequence(self._report, node, "stages", "stages, '- {name: Tasks, of: [...]}'") or ():
             stage = self._stage(each)
             if stage is not None:
-                self._report.once(self._places, stage.name, each.place, f"the stage {quote(stage.name)} again",
-                                  "each stage once")
                 self.found.append(stage)
 
     # -- a stage ------------------------------------------------------------------------------------
@@ -104,13 +102,16 @@ class StageReader:
         normalised = self._word(got, "normalised", Scale, "how numbers become comparable") or Scale.NO
         others = self._word(got, "others", Others, "where teams are ranked that did not advance") or Others.BELOW
         columns = self._columns(got.get("of"), normalised)
+        before = len(report.errors)
         adjustments = self._adjustments(got.get("adjustments"))
+        given = self._given(name, got.get("given"), adjustments) if len(report.errors) == before else []
         advance = self._advance(got.get("advance"))
         ties = self._ties(got.get("ties"), columns)
         asks = "asks" in got and choice(report, got["asks"], "asks", ("yes", "no"), "yes or no") == "yes"
         least = self._number(got, "min")
         chosen = self._texts(got.get("chosen"), "chosen", "teams", self._team)
-        given = self._given(name, got.get("given"), adjustments)
+        if name:
+            report.once(self._places, name, node.place, f"the stage {quote(name)} again", "each stage once")
         if "others" in got and "teams" not in got:
             report.error(got["others"].place, "'others' in a stage of all teams", "also 'teams: NAME OF A STAGE'")
         if len(report.errors) > errors or not all(key in got for key in _STAGE):
@@ -176,10 +177,10 @@ class StageReader:
         return code
 
     def _earlier(self, node: Node, what: str) -> Optional[str]:
-        return choice(self._report, node, what, tuple(stage.name for stage in self.found), "an earlier stage")
+        return choice(self._report, node, what, tuple(self._places), "an earlier stage")
 
     def _ties(self, node: Optional[Node], columns: Sequence[StageColumn]) -> Tuple[str, ...]:
-        names = tuple(dict.fromkeys([*(column.subject for column in columns), *(stage.name for stage in self.found)]))
+        names = tuple(dict.fromkeys([*(column.subject for column in columns), *self._places]))
 
         def read(each: Node) -> Optional[str]:
             if isinstance(each, Scalar) and each.text in names:

@@ -149,7 +149,9 @@ def rank(
     done: Dict[str, StageRanking] = {}
     for stage in stages:
         done[stage.name] = _Ranking(stage, done, results, attempts, adjusted, teams, disqualified).found()
-    return list(done.values())
+    gone = {team for team, (how, _) in disqualified.items() if how is Disqualified.GAP}
+    return [each._replace(lines=tuple(line for line in each.lines if line.team not in gone),
+                          advance=tuple(team for team in each.advance if team not in gone)) for each in done.values()]
 
 
 class _Ranking:
@@ -182,8 +184,7 @@ class _Ranking:
                         for line in lines), key=lambda line: (line.place, line.team))
         self._say_ties(lines, keys)
         advance, undecided = self._who_advances(lines)
-        shown = tuple(line for line in lines if self._how_disqualified(line.team) is not Disqualified.GAP)
-        return StageRanking(self._stage, shown, advance, undecided, tuple(self._notes), tuple(self._steps))
+        return StageRanking(self._stage, tuple(lines), advance, undecided, tuple(self._notes), tuple(self._steps))
 
     def _line(self, team: str, columns: Sequence[Mapping[str, Fraction]]) -> StageLine:
         is_last = self._how_disqualified(team) is Disqualified.LAST
@@ -397,10 +398,10 @@ class _Ranking:
         elif cut:
             self._notes[ALL_ADVANCE(stage=stage.name, teams=", ".join(cut))] = None
             before += cut
-        found = [line.team for line in able if (line.team in before or line.team in chosen)
-                 and self._how_disqualified(line.team) is None]
+        found = [line.team for line in able if line.team in before or line.team in chosen]
         if stage.advance:
-            said = ADVANCE(stage=stage.name, count=len(taking_part), number=number, teams=", ".join(found))
+            said = ADVANCE(stage=stage.name, count=len(taking_part), number=number, teams=", ".join(
+                team for team in found if team not in self._disqualified))
             self._notes[said] = None
             self._steps.append(said)
         return tuple(found), tuple(undecided)

@@ -34,6 +34,7 @@ UNSIGNED = say("team {team}, {turn}: not signed off yet, so it does not count")
 ABSENT = say("team {team} gets 0 for {part}: none of its runs counts")
 NOT_YET = say("team {team} gets 0 for {part}: its run is not signed off yet")
 WAITS = say("team {team} has a run of {part} that is not signed off yet: it does not count")
+DECIDED = say("{name}: {reading}")
 EARLIER = say("scored by an earlier sheet ({changed}): run {runs}")
 
 
@@ -203,7 +204,9 @@ def stage_standings(rules: StandingRules, records: Sequence[RunRecord], choice: 
     results = {code: _results(each, records, choice) for code, each in found.items()}
     attempts = {code: each.attempts for code, each in found.items()}
     ranked = rank(rules.stages, results, attempts, rules.adjusted)
-    return [_stage_standing(each, records, results, choice, runs) for each in ranked]
+    decided = tuple(DECIDED(name=each.name, reading=each.chosen) for each in rules.decisions
+                    if each.chosen != each.readings[0])
+    return [_stage_standing(each, records, results, choice, runs, decided) for each in ranked]
 
 
 def _results(found: Standing, records: Sequence[RunRecord], choice: RunChoice) -> Dict[str, List[Result]]:
@@ -231,7 +234,7 @@ def _was_to_run(record: RunRecord) -> bool:
 
 def _stage_standing(
     ranked: StageRanking, records: Sequence[RunRecord], results: Mapping[str, Mapping[str, Sequence[Result]]],
-    choice: RunChoice, runs: Mapping[str, RankedRun],
+    choice: RunChoice, runs: Mapping[str, RankedRun], decided: Sequence[str],
 ) -> Standing:
     stage = ranked.stage
     remarks: List[str] = []
@@ -248,7 +251,8 @@ def _stage_standing(
         counting += f"; in a tie {', then '.join(stage.ties)}"
     return Standing(
         "", AttemptsRule(), tuple(Criterion(name, True, ()) for name in names), lines,
-        tuple(dict.fromkeys([*remarks, *ranked.notes])), tuple("" for _ in names), stage.name, counting, ranked.steps)
+        tuple(dict.fromkeys([*remarks, *ranked.notes, *decided])), tuple("" for _ in names), stage.name, counting,
+        ranked.steps)
 
 
 def _about_column(

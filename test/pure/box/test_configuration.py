@@ -115,12 +115,19 @@ def test_a_reload_does_not_wait_for_one_whose_disk_hangs(competition, monkeypatc
         assert reloads.reload("", "Ann").errors == [configuration.BUSY]
 
 
-@pytest.mark.parametrize(("old", "new"), [
-    ("runs: best", "runs: mean"), ("HGTKMH:", "overall: [{name: Final, of: [{benchmark: HWV}]}]\nHGTKMH:")])
-def test_other_standings_are_a_change(competition, old, new):
+ADJUSTED = """stages:
+  - { name: Final, of: [{ test: HWV }], adjustments: { Late: -5 }, given: [{ team: DumpTeam, adjustment: Late }] }
+HGTKMH:"""
+
+
+@pytest.mark.parametrize(("old", "new", "change"), [
+    ("runs: best", "runs: mean", ["standings of HGTKMH: other rules"]),
+    ("HGTKMH:", "overall: [{name: Final, of: [{benchmark: HWV}]}]\nHGTKMH:", ["stages: 'Final' added"]),
+    ("HGTKMH:", ADJUSTED, ["stages: 'Final' added", "team DumpTeam, Final: Late -5: given"])])
+def test_other_standings_are_a_change(competition, old, new, change):
     core = competition.core()
     competition.edit("standings.yaml", old, new)
-    assert core.changes(core.read()) == ["standings: other rules"]
+    assert core.changes(core.read()) == change
     core.content = core.read()
     assert core.changes(core.read()) == []
 

@@ -10,7 +10,7 @@ import pytest
 from helpers.results_of import ACHIEVED, BUMPS, DISQUALIFYING, DOOR, OBJECTS, PENALIZED, module_record, task_record
 from helpers.time_zones import local_time
 from roah_rsbb.model.records import GroupPoints, ScoreValue, SheetPoints, SignOff
-from roah_rsbb.model.rules import Attempts, AttemptsRule, Scale, Stage, StageColumn
+from roah_rsbb.model.rules import Adjusted, Adjustment, Attempts, AttemptsRule, Scale, Stage, StageColumn
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.results.standing_pages import standing_markup
 from roah_rsbb.results.standings import number_text, public_standings, run_text, standing_lines
@@ -491,6 +491,36 @@ def test_errors_in_an_overall_standing(tmp_path, old, new, line, expected):
     with pytest.raises(ConfigErrors) as caught:
         rules_of(tmp_path, OVERALL.replace(old, new, 1))
     assert any(error.line == line and expected in str(error) for error in caught.value.errors), caught.value
+
+
+DECIDED = """
+stages:
+  - { name: All, of: [{ test: HGTKMH }], normalised: { decide: Numbers, as they are: no, of the best: best } }
+"""
+
+
+def test_a_reading_that_was_chosen_is_below_the_standing(tmp_path):
+    (tmp_path / "standings.yaml").write_text(DECIDED)
+    default = read_rules(str(tmp_path / "standings.yaml"))
+    (tmp_path / "decisions.yaml").write_text("Numbers: of the best")
+    chosen = read_rules(str(tmp_path / "standings.yaml"))
+    found = [standings(TWO_DAYS[:1], rules, ALL)[0] for rules in (default, chosen)]
+    assert [(table.lines[0].numbers[0], table.remarks) for table in found] == [
+        (40, ()), (1, ("Numbers: of the best",))]
+
+
+def test_the_runs_of_a_stage_are_those_that_gave_it_its_numbers():
+    """And a team with a penalty outside any run is in it."""
+    rules = StandingRules({"HGTKMH": BY_POINTS._replace(attempts=AttemptsRule(Attempts.MEAN, 2))})
+    rules.stages = (Stage("All", (StageColumn("HGTKMH"),), adjustments=(Adjustment("Late", Decimal(-5)),)),)
+    rules.adjusted = (Adjusted("B", "All", "Late", Decimal(-5)),)
+    records = [pointed("A", number, str(points)) for number, points in enumerate((1, 7, 4))]
+    first, second = standings(records, rules, ALL)
+    assert [(line.team, line.numbers, [run.numbers[0] for run in line.runs]) for line in first.lines] == [
+        ("A", (5.5, 5.5, 0), [7, 4]), ("B", (-5, 0, -5), [])]
+    assert [criterion.name for criterion in first.criteria] == ["Total", "HGTKMH", "Adjustments"]
+    assert next(iter(standing_lines(second))) == "HGTKMH: the mean of each team's best 2 runs counts"
+    assert second.lines[0].counting == (1, 2)
 
 
 # -- attempts, no-shows -----------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.rule_files import file_in, load_rules, modules, own_files, zone_folders
 from roah_rsbb.bmbox.host import ground_truth_of_frames
 from roah_rsbb.rulebook import config
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, Durable, ScheduledEvent
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, Durable, ScheduledEvent, teams_of
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, arguments, elements, listing, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.rulebook.standing_rules import read_rules
@@ -57,7 +57,7 @@ def check(directory: str) -> Checked:
     standings = os.path.join(directory, STANDINGS)
     try:
         if os.path.lexists(standings):
-            read_rules(standings)
+            read_rules(standings, *(() if loaded is None else (tuple(loaded.benchmarks), teams_of(loaded))))
     except ConfigErrors as found:
         errors += str(found).splitlines()
     if loaded is not None:
