@@ -5253,11 +5253,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
-        <source>the score sheet has no entry {number}: {hint}</source>
-        <translation>der Wertungsbogen hat keinen Eintrag {number}: {hint}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>entry {number} was withdrawn already, by {who}</source>
         <translation>Eintrag {number} wurde schon zurückgenommen, von {who}</translation>
     </message>
@@ -5270,6 +5265,11 @@
         <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>{most} entries of the score sheet already have a note or are withdrawn: {instead}</source>
         <translation>{most} Einträge des Wertungsbogens haben schon eine Notiz oder sind zurückgenommen: {instead}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>the score sheet has no entry {number}: {hint}</source>
+        <translation>der Wertungsbogen hat keinen Eintrag {number}: {hint}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/sheet.py"/>

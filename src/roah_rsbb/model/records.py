@@ -6,7 +6,7 @@ The core updates it with every change, and the journal keeps it. Results and exp
 import enum
 from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.model.reason import say
+from roah_rsbb.model.reason import Said, say
 from roah_rsbb.model.scoring import Key, SheetForm
 
 
@@ -106,6 +106,9 @@ class ScoreEntry(NamedTuple):
     added: str = ""  # a decimal number that it added to the item; empty: it set the item
     role: str = ""  # of `who`, such as referee; empty: not known
     device: str = ""  # from which it was sent; empty: not known
+    clock_s: Optional[float] = None  # counted seconds of the run at that time; None: not known
+    in_time: bool = False  # a referee said so of an entry that was made after the time limit
+    void: Said = ""  # why it does not count although nobody withdrew it; empty: it counts
 
 
 class GroupPoints(NamedTuple):
@@ -120,6 +123,7 @@ class SheetPoints(NamedTuple):
 
     total: str  # a decimal number
     groups: Tuple[GroupPoints, ...]  # those with items that give points, in the sheet's order; then the time left
+    steps: Tuple[Said, ...] = ()  # how they came about, where a reader could doubt it
 
 
 class StopRecord(NamedTuple):

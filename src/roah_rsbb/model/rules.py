@@ -68,6 +68,7 @@ class Item:
     amount: Measure = Measure.COUNT
     points: Number = None
     percent: Number = None  # of what the items before it left, instead of points
+    decimals: Optional[int] = None  # its own points are rounded to so many, half up; None: they are exact
     compounding: bool = False  # each time of a percentage applies to what the time before it left
     times: Optional[int] = None  # counts at most so often
     least: Number = None  # limits of the points of it and of all that hangs under it
@@ -154,6 +155,7 @@ class Sheet:
     items: Tuple[Item, ...] = ()
     incidents: Tuple[Incident, ...] = ()
     limit_s: Number = None  # counted seconds; marks after it are late and do not count. None: no limit
+    clock_s: Optional[float] = None  # seconds of the run, for the time left; None: `limit_s`
 
 
 NO_SHEET = Sheet()

@@ -102,7 +102,7 @@ def zone_json(zone: ZoneSeen, now: Now) -> Json:
         "score": items_json(zone.items), "log": zone.log, "online_data": zone.online_data,
         "operation": {"number": zone.operation, **operation_json(zone)} if zone.operation else None,
         "switches": zone.switches, "held": zone.held, "module_status": zone.module_status,
-        "module_score": [score_json(score) for score in zone.module_scores], "points": sheets.points_of(zone.points),
+        "module_score": [score_json(score) for score in zone.module_scores], "points": sheets.points_text(zone.points),
         "all_robots": None if of_all is None else {
             "preparing": of_all.preparing, "executing": of_all.executing, "stopped": of_all.stopped,
             "robots": of_all.robots},
@@ -170,7 +170,7 @@ def sheet_json(sheet: RunSheet) -> Json:
         "run": run_json(sheet.run), "robots": sheet.robots, "elapsed_s": sheet.elapsed_s,
         "items": items_json(sheet.items),
         "corrected": [number for number, item in enumerate(sheet.items, 1) if item.corrected],
-        "history": sheet.history, "ends": sheet.ends, "points": sheets.points_of(sheet.points),
+        "history": sheet.history, "ends": sheet.ends, "points": sheets.points_text(sheet.points),
     }
 
 

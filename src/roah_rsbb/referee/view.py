@@ -22,6 +22,7 @@ from roah_rsbb.wording.device import role_text
 from roah_rsbb.wording.judging import Judged
 from roah_rsbb.wording.texts import escaped
 from roah_rsbb.wording.times import clock_lines, clock_of
+from roah_rsbb.wording.whole_box import ROBOT_COLUMNS, LinkQuality, robot_rows
 
 # SGR codes (ECMA-48).
 BOLD, RED, GREEN, YELLOW, CYAN = "1", "1;31", "1;32", "1;33", "1;36"
@@ -54,15 +55,25 @@ def status(box: Document, now: Now, style: Style, only: Optional[str] = None) ->
     lines = [f"{style(BOLD, 'RSBB')} at {escaped(box.box.host)}:{box.box.port}, "
              f"{style.moments.with_zone(now.utc)}{status_text}"]
     lines += warning_lines(box, style)
-    lines += ["", "Active robots:" if box.robots else "Active robots: none"]
-    lines += [
-        f"{_IN}{escaped(r.team)} {escaped(r.robot)}: skew {times.skew(r.skew)}, "
-        f"heard {times.ago(silence_s(r.silent_since, now))}" for r in box.robots.values()
-    ]
+    lines += ["", *_robots(box, now)]
     for zone in zones_of(box):
         if only in (None, zone.zone):
             lines += ["", *zone_lines(zone, now, style)]
     return lines
+
+
+def _robots(box: Document, now: Now) -> List[str]:
+    """Return the active robots in the table that panels and pages have."""
+    links = LinkQuality()
+    links.look(box, now.mono)
+    rows = [tuple(map(escaped, row)) for row in robot_rows(box, now.mono, links)]
+    return ["Active robots:", *(_IN + line for line in _table([ROBOT_COLUMNS, *rows]))] if rows else [
+        "Active robots: none"]
+
+
+def _table(rows: Sequence[Sequence[str]]) -> List[str]:
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in rows]
 
 
 def warning_lines(box: Document, style: Style) -> List[str]:
@@ -75,10 +86,8 @@ _STATE_COLOURS = {"running": GREEN, "connected": CYAN, "ended": YELLOW, "next": 
 
 def schedule_lines(events: Sequence[EventSeen], style: Style) -> List[str]:
     """Return a table of events, with the numbers that they have in their zones."""
-    rows = [("Zone", "No.", "Scheduled", "Begins", "Late", "Event", "State", "Score", "Sheet")]
-    rows += [_event_row(event, style.moments.in_utc) for event in events]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in rows]
+    lines = _table([("Zone", "No.", "Scheduled", "Begins", "Late", "Event", "State", "Score", "Sheet"),
+                    *(_event_row(event, style.moments.in_utc) for event in events)])
     return lines[:1] + [
         style(_STATE_COLOURS[event.state], line) if event.state in _STATE_COLOURS else line
         for event, line in zip(events, lines[1:])
@@ -167,7 +176,7 @@ def item_lines(items: Sequence[SheetItem], points: Optional[SheetPoints], style:
         if number == 1 or item.group != items[number - 2].group:
             lines.append(f"{_IN}{escaped(item.group)}")
         lines.append(_sheet_line(number, item, style) + (mark if item.corrected else ""))
-    total = sheets.points_of(points)
+    total = sheets.points_text(points)
     return [*lines, f"{_IN}{style(BOLD, escaped(total))}"] if total else lines
 
 

@@ -101,7 +101,7 @@ def _items(record: RunRecord) -> Iterator[str]:
         ])
     if record.points is not None:
         yield ""
-        yield line(sheets.points_text(*record.points))
+        yield line(sheets.points_text(record.points))
 
 
 def _points(item: ItemRecord) -> str:
@@ -225,7 +225,7 @@ def _items_markup(record: RunRecord) -> Iterator[Markup]:
             for i in items
         ], ("value", *(("value",) if has_points else ()), "", ""))
     if record.points is not None:
-        yield tag("p", sheets.points_text(*record.points))
+        yield tag("p", sheets.points_text(record.points))
 
 
 def _modules_markup(record: RunRecord) -> Iterator[Markup]:

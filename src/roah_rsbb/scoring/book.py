@@ -27,6 +27,7 @@ from roah_rsbb.model.records import (
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.rulebook.benchmarks import Benchmark, EventRules
 from roah_rsbb.rulebook.standing_rules import StandingRules
+from roah_rsbb.scoring.earlier import sheet_of
 from roah_rsbb.scoring.judges import ItemVerdict, Judges, JudgesState
 from roah_rsbb.scoring.points import CountedSheet, counted
 from roah_rsbb.scoring.publication import Publication, PublicationState
@@ -73,7 +74,7 @@ class RunBook:
         """`over`: the run is over, so changes are corrections."""
         self.state = state or BookState()
         self.form = form
-        self.sheet = ScoreSheet(form.items, self.state.sheet)
+        self.sheet = ScoreSheet(form.items, self.state.sheet, sheet_of(form))
         self.judges = Judges(form, self.state.judging)
         self.publication = Publication(form, self.state.publication)
         self._over = over
@@ -112,13 +113,26 @@ class RunBook:
 
     # -- scores -------------------------------------------------------------------------------------
 
-    def mark(self, now: Now, who: str, mark: Mark) -> Marked:
-        """See `ScoreSheet.set`."""
+    def mark(self, now: Now, who: str, mark: Mark, clock_s: Optional[float] = None) -> Marked:
+        """See `ScoreSheet.set`. `clock_s`: counted seconds of the run in progress; None: it is not."""
         if self.sheet.is_applied(mark):
             return Marked(None, "")
         self._check_not_judged()
-        before = self.sheet.set(now, who, mark, self._over)
+        before = self.sheet.set(now, who, mark, self._over, self._clock_s(now) if clock_s is None else clock_s)
         return self._marked(before, self.sheet.item(mark.group, mark.desc), mark.note)
+
+    def _clock_s(self, now: Now) -> float:
+        """Return the counted seconds of an entry of a run that is not in progress. After the time limit they continue
+        with the time of day: such an entry is late."""
+        state, limit = self.state, sheet_of(self.form).limit_s
+        if limit is None or not state.stops or state.elapsed_s < limit:
+            return state.elapsed_s
+        return state.elapsed_s + max(0.001, now.utc - state.stops[-1].utc)
+
+    def in_time(self, number: int, in_time: bool) -> str:
+        """See `ScoreSheet.say_in_time`. Returns a text for the referee."""
+        entry = self.sheet.say_in_time(number, in_time)
+        return f"{entry.group}: {entry.desc} (entry {number}) was {'in time' if in_time else 'late'}"
 
     def withdraw(self, now: Now, by: By, number: int) -> Marked:
         """See `ScoreSheet.withdraw`."""
@@ -166,7 +180,8 @@ class RunBook:
         items, elapsed_s = self.sheet.items(), self.state.elapsed_s if end_reason else 0.0
         last = self._counted
         if last is None or last[0] is not items or last[1:3] != (elapsed_s, end_reason):
-            last = self._counted = (items, elapsed_s, end_reason, counted(self.form, items, elapsed_s, end_reason))
+            course = self.sheet.course(elapsed_s, end_reason)
+            last = self._counted = (items, elapsed_s, end_reason, counted(self.form, items, course))
         return last[3]
 
     # -- the record ---------------------------------------------------------------------------------

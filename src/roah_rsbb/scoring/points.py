@@ -1,20 +1,18 @@
-"""The points of a score sheet: of each item, of each group, and in total (docs/organiser.md, "Points").
+"""The points of a score sheet as records and faces have them (docs/rules.md)."""
 
-The points of an item and a jury's result are rounded to `MAX_DECIMALS`, so that the numbers on the sheet are those
-that count. All sums are exact.
-"""
-
-from decimal import ROUND_DOWN, ROUND_FLOOR, ROUND_HALF_UP, Context, Decimal, InvalidOperation
-from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from decimal import ROUND_DOWN, ROUND_HALF_UP, Context, Decimal, InvalidOperation
+from fractions import Fraction
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.model.records import GroupPoints, ItemRecord, SheetPoints
-from roah_rsbb.model.rules import JuryResult
-from roah_rsbb.model.scoring import MAX_DECIMALS, MAX_VALUE, TIME_LEFT, WHOLE, Key, ScoreKind, ScoringItem, SheetForm
+from roah_rsbb.model.rules import JuryResult, Measure, Sheet
+from roah_rsbb.model.scoring import MAX_DECIMALS, MAX_VALUE, ScoringItem, SheetForm
+from roah_rsbb.scoring.earlier import key_id, sheet_of
+from roah_rsbb.scoring.tree import Course, Worth, count
 
 # More digits than any sum of values within the limits can have.
 _EXACT = Context(prec=80)
 _LAST_DECIMAL = Decimal(1).scaleb(-MAX_DECIMALS)
-ZERO = Decimal(0)
 
 
 class CountedSheet(NamedTuple):
@@ -57,97 +55,37 @@ def jury_text(item: ScoringItem, ratings: Sequence[str]) -> str:
         numbers = numbers[(len(numbers) - 1) // 2:len(numbers) // 2 + 1]
     elif item.jury is JuryResult.WITHOUT_EXTREMES and len(numbers) > 2:
         numbers = numbers[1:-1]
-    mean = _EXACT.divide(_sum(numbers), Decimal(len(numbers)))
-    return text_of(_rounded(mean))
+    mean = _EXACT.divide(sum(numbers, Decimal(0)), Decimal(len(numbers)))
+    return text_of(mean.quantize(_LAST_DECIMAL, ROUND_HALF_UP, _EXACT))
 
 
-def counted(form: SheetForm, items: Sequence[ItemRecord], elapsed_s: float, end_reason: str) -> CountedSheet:
-    """Return the items and the sheet with their points.
+def exact_text(number: Fraction) -> str:
+    """Return an exact number as text. On a sheet all numbers are decimals, so their sums and products are, too."""
+    return text_of(_EXACT.divide(Decimal(number.numerator), Decimal(number.denominator)))
 
-    `elapsed_s`: counted seconds until the end; `end_reason`: why the run ended, empty if it did not.
-    """
+
+def counted(form: SheetForm, items: Sequence[ItemRecord], course: Course) -> CountedSheet:
+    """Return the items and the sheet with their points."""
     if not form.has_points:
         return CountedSheet(tuple(items), None)
-    known = {item.key: item for item in form.items}
-    records = {item.key: item for item in items}
-    given = _given(known, records)
-    points: Dict[Key, Decimal] = {
-        key: _points(known[key], record) if given.issuperset(known[key].needs) else ZERO
-        for key, record in records.items() if key in known and known[key].has_points
-    }
-    groups: Dict[str, List[Decimal]] = {}
-    for (group, _desc), number in points.items():
-        groups.setdefault(group, []).append(number)
-    limits = {group.name: group for group in form.rules.groups}
-    sums = {
-        name: _limited(_sum(numbers), *((limits[name].least, limits[name].most) if name in limits else (None, None)))
-        for name, numbers in groups.items()
-    }
-    if form.rules.time_left is not None:
-        sums[TIME_LEFT] = _time_left(form, given, elapsed_s, end_reason)
-    total = _limited(_sum(sums.values()), form.rules.least, form.rules.most)
+    sheet = sheet_of(form)
+    worth = count(sheet, course)
+    rows = {row.key: row for row in form.items if row.has_points}
     return CountedSheet(
-        tuple(i._replace(points=text_of(points[i.key])) if i.key in points else i for i in items),
-        SheetPoints(text_of(total), tuple(GroupPoints(name, text_of(number)) for name, number in sums.items())),
-    )
+        tuple(record._replace(points=exact_text(worth.own.get(_id(rows[record.key]), Fraction(0))))
+              if record.key in rows else record for record in items),
+        SheetPoints(exact_text(worth.total), tuple(_groups(sheet, worth)), worth.steps))
 
 
-def _rounded(number: Decimal) -> Decimal:
-    return number.quantize(_LAST_DECIMAL, ROUND_HALF_UP, _EXACT)
+def _id(row: ScoringItem) -> str:
+    return row.id or key_id(row.key)
 
 
-def _sum(numbers: Iterable[Decimal]) -> Decimal:
-    total = ZERO
-    for number in numbers:
-        total = _EXACT.add(total, number)
-    return total
-
-
-def _limited(number: Decimal, least: Optional[Decimal], most: Optional[Decimal]) -> Decimal:
-    if most is not None and number > most:
-        number = most
-    return least if least is not None and number < least else number
-
-
-def _points(item: ScoringItem, record: ItemRecord) -> Decimal:
-    """Return the points of an item whose needed items are all given."""
-    if record.not_attempted:
-        return ZERO
-    if item.kind is ScoreKind.CHOICE:
-        return next((choice.points or ZERO for choice in item.choices if choice.name == record.text), ZERO)
-    return _rounded(_EXACT.multiply(_amount(item, record), item.points or ZERO))
-
-
-def _amount(item: ScoringItem, record: ItemRecord) -> Decimal:
-    return Decimal(record.value) if item.kind in WHOLE else number_of(record.text) or ZERO
-
-
-def _is_given(item: ScoringItem, record: ItemRecord) -> bool:
-    """Whether the robot earned the item at all. A choice without points is not given if another choice has points."""
-    if record.not_attempted:
-        return False
-    if item.kind is not ScoreKind.CHOICE:
-        return _amount(item, record) != 0
-    return bool(record.text) and (not item.has_points or _points(item, record) != 0)
-
-
-def _given(known: Mapping[Key, ScoringItem], records: Mapping[Key, ItemRecord]) -> Set[Key]:
-    """Return the items that are given and for which all needed items are given, too."""
-    own = {key for key, record in records.items() if key in known and _is_given(known[key], record)}
-    while True:
-        kept = {key for key in own if own.issuperset(known[key].needs)}
-        if kept == own:
-            return own
-        own = kept
-
-
-def _time_left(form: SheetForm, given: Set[Key], elapsed_s: float, end_reason: str) -> Decimal:
-    bonus = form.rules.time_left
-    assert bonus is not None, "the caller checks it"
-    is_due = given.issuperset(bonus.needs) if bonus.needs else end_reason == "completed"
-    if not end_reason or not is_due:
-        return ZERO
-    # The clock counts milliseconds at best. A float's last digits must not cost a full second.
-    left = max(ZERO, Decimal(repr(round(form.time_limit - elapsed_s, 3))))
-    full = _EXACT.divide(left, bonus.seconds).to_integral_value(ROUND_FLOOR)
-    return _limited(_EXACT.multiply(full, bonus.points), None, bonus.most)
+def _groups(sheet: Sheet, worth: Worth) -> List[GroupPoints]:
+    """Return the points of the sections that have items with points, and of the time left."""
+    sections = {item.id: item for item in sheet.items if item.amount is Measure.SECTION}
+    scored = {item.under for item in sheet.items if item.under in sections and item.amount is not Measure.SECTION
+              and item.amount is not Measure.CLOCK
+              and (item.points is not None or any(choice.points is not None for choice in item.choices))}
+    return [GroupPoints(item.name, exact_text(worth.points.get(item.id, Fraction(0)))) for item in sheet.items
+            if item.id in scored or item.amount is Measure.CLOCK]

@@ -20,13 +20,16 @@ therefore never lost. The run log and the journal have each change in any case.
 import re
 from dataclasses import dataclass, field
 from decimal import Decimal
+from fractions import Fraction
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.fields import two_numbers, typed_number
 from roah_rsbb.model.reason import Refused, joined, say
 from roah_rsbb.model.records import ItemRecord, Rating, ScoreEntry
+from roah_rsbb.model.rules import Sheet
 from roah_rsbb.model.scoring import (
+    INCIDENTS,
     MAX_DECIMALS,
     MAX_NUMBER,
     MAX_VALUE,
@@ -37,7 +40,9 @@ from roah_rsbb.model.scoring import (
     ScoreKind,
     ScoringItem,
 )
+from roah_rsbb.scoring.course import course_of, void_entries
 from roah_rsbb.scoring.points import jury_text, text_of, whole_part
+from roah_rsbb.scoring.tree import Course
 from roah_rsbb.wording.sheets import item_value
 from roah_rsbb.wording.texts import did_you_mean
 
@@ -96,10 +101,15 @@ class _Standing(NamedTuple):
 class ScoreSheet:
     """All scoring items of one run with their history. Each begins at 0."""
 
-    def __init__(self, items: Tuple[ScoringItem, ...], state: Optional[SheetState] = None) -> None:
+    def __init__(
+        self, items: Tuple[ScoringItem, ...], state: Optional[SheetState] = None, rules: Optional[Sheet] = None
+    ) -> None:
+        """`rules`: those that make entries void; None: none do."""
         self.state = state or SheetState()
         self._history = self.state.history  # the same list
         self._items: Dict[Key, ScoringItem] = {i.key: i for i in items}
+        self._rules = rules or Sheet()
+        self._void: Dict[int, str] = {}  # number of an entry -> why it does not count although nobody withdrew it
         self._taken: Dict[str, int] = {}  # identity of a mark -> the number of its entry; 0: it made none
         for line in self.state.marks.splitlines():
             number, _, mark_id = line.partition(" ")
@@ -118,7 +128,9 @@ class ScoreSheet:
     @property
     def history(self) -> Tuple[ScoreEntry, ...]:
         """All entries, oldest first."""
-        return tuple(self._history)
+        if not self._void:
+            return tuple(self._history)
+        return tuple(entry._replace(void=self._void.get(entry.number, "")) for entry in self._history)
 
     @property
     def marks(self) -> str:
@@ -178,11 +190,13 @@ class ScoreSheet:
         text = _rating(item, mark) if is_rating else _decimal(item, mark.text or str(mark.value))
         return mark._replace(text=text, value=whole_part(text))
 
-    def set(self, now: Now, who: str, mark: Mark, correction: bool = False) -> ItemRecord:
+    def set(
+        self, now: Now, who: str, mark: Mark, correction: bool = False, clock_s: Optional[float] = None
+    ) -> ItemRecord:
         """Set an item, or mark it as not attempted. Returns the item before the change. Raises as `check` does.
 
         A value removes the mark. A call without a change and without a note makes no entry. A mark that was applied
-        changes nothing. `correction`: the run is over.
+        changes nothing. `correction`: the run is over; `clock_s`: its counted seconds.
         """
         if self.is_applied(mark):
             return self.item(mark.group, mark.desc)
@@ -198,7 +212,7 @@ class ScoreSheet:
             self._last_number + 1, now.utc, who, mark.group, mark.desc, before.value, mark.value,
             mark.not_attempted, mark.note, before.not_attempted, correction,
             old_text=before.text, text=mark.text, judge=mark.judge, added=mark.added, role=mark.role,
-            device=mark.device,
+            device=mark.device, clock_s=None if clock_s is None else round(clock_s, 3),
         )
         same = None if mark.id and not mark.added else self._same_moment(now, entry)
         if same is None:
@@ -257,9 +271,7 @@ class ScoreSheet:
     def withdraw(self, now: Now, who: str, number: int, note: str = "", correction: bool = False) -> ScoreEntry:
         """Withdraw an entry. The item gets the value that it has without it. Returns the withdrawn entry. Raises
         `Refused`."""
-        index = next((i for i, entry in enumerate(self._history) if entry.number == number), None)
-        if index is None:
-            raise Refused([say("the score sheet has no entry {number}: {hint}")(number=number, hint=self._numbers())])
+        index = self._index(number)
         entry = self._history[index]
         if entry.withdrawn_utc:
             raise Refused([say("entry {number} was withdrawn already, by {who}")(
@@ -301,6 +313,14 @@ class ScoreSheet:
             raise Refused([say("that mark shares an entry of the history with others: set the value instead")])
         return self.withdraw(now, who, number, note, correction)
 
+    def say_in_time(self, number: int, in_time: bool = True) -> ScoreEntry:
+        """Say that what an entry marks happened before the time limit, or take that back. Returns the entry. Raises
+        `Refused`."""
+        index = self._index(number)
+        self._history[index] = self._history[index]._replace(in_time=in_time)
+        self._stand()
+        return self._history[index]
+
     def _why_wrong(self, entry: ScoreEntry) -> str:
         """Return why the value of this entry's item is outside the limits; empty: it is not."""
         standing = self._standing.get((entry.group, entry.desc, entry.judge))
@@ -320,8 +340,18 @@ class ScoreSheet:
                 begun = self._begun.get(last.number)
                 is_same = begun is not None and now.mono - begun <= ONE_ENTRY_S and _is_alike(last, entry)
                 is_own = not last.added and last.number in self._taken.values()
-                return index if is_same and not is_own else None
+                is_one = is_same and not is_own and not self._divided(index, entry)
+                return index if is_one else None
         return None
+
+    def _divided(self, index: int, later: ScoreEntry) -> bool:
+        """Whether an incident, or the time limit, lies between an entry and a later one: the moment of each
+        decides whether it counts."""
+        limit, first = self._rules.limit_s, self._history[index]
+        late = [limit is not None and entry.clock_s is not None and entry.clock_s > limit and not entry.in_time
+                for entry in (first, later)]
+        return late[0] is not late[1] or any(
+            entry.group == INCIDENTS for entry in self._history[index + 1:] if entry.number < later.number)
 
     def _replace(self, index: int, entry: ScoreEntry) -> int:
         """Join an entry with the first one of its moment. Returns its number; 0: both are gone."""
@@ -362,7 +392,8 @@ class ScoreSheet:
             place = (entry.group, entry.desc, entry.judge)
             later = newer.get(place)
             newer[place] = index
-            if later is not None and _may_replace(self._history[later], entry):
+            if later is not None and _may_replace(self._history[later], entry) and not self._divided(
+                    index, self._history[later]):
                 pairs.append((index, later))
         return pairs
 
@@ -370,6 +401,13 @@ class ScoreSheet:
         if not self.can_note:
             raise Refused([say("{most} entries of the score sheet already have a note or are withdrawn: {instead}")(
                 most=MAX_NOTED, instead=instead)])
+
+    def _index(self, number: int) -> int:
+        """Return where an entry is in the history. Raises `Refused`."""
+        index = next((i for i, entry in enumerate(self._history) if entry.number == number), None)
+        if index is None:
+            raise Refused([say("the score sheet has no entry {number}: {hint}")(number=number, hint=self._numbers())])
+        return index
 
     def _numbers(self) -> str:
         numbers = [str(entry.number) for entry in self._history if not entry.withdrawn_utc]
@@ -391,6 +429,15 @@ class ScoreSheet:
         if self._records is None:
             self._records = tuple(self._item(key) for key in self._items)
         return self._records
+
+    def course(self, elapsed_s: float, end_reason: str) -> Course:
+        """Return what happened, as far as points depend on it. `elapsed_s`: counted seconds until the end;
+        `end_reason`: why the run ended, empty if it did not."""
+        history = course_of(self._rules, self._items, self._history, self.items(), self._void)
+        # The clock counts milliseconds at best. A float's last digits must not cost a full second.
+        return history.course._replace(
+            ended=bool(end_reason), completed=end_reason == "completed",
+            elapsed_s=Fraction(repr(round(elapsed_s, 3))))
 
     def item(self, group: str, desc: str) -> ItemRecord:
         """Return an item. Raises `Refused` if it does not exist."""
@@ -436,8 +483,9 @@ class ScoreSheet:
 
     def _stand(self) -> None:
         self._standing = {}
+        self._void = void_entries(self._rules, self._items, self._history)
         for entry in self._history:
-            if not entry.withdrawn_utc:
+            if not entry.withdrawn_utc and entry.number not in self._void:
                 place = (entry.group, entry.desc, entry.judge)
                 before = self._standing.get(place)
                 self._standing[place] = _after(before, entry)

@@ -16,6 +16,8 @@ from roah_rsbb.model.rules import Condition, Incident, Item, Measure, Sheet, Voi
 from roah_rsbb.wording.times import elapsed
 
 ZERO, ONE = Fraction(0), Fraction(1)
+# Times of an item that are counted one by one. No robot does anything more often in a run.
+MAX_EACH = 1000
 
 LATE = say("{item} at {time}: after the limit of {limit}, so it does not count")
 VOID = say("{item}{time}: void because of: {incident}")
@@ -317,8 +319,8 @@ class _Times(NamedTuple):
         return _Times(tuple(each for each in kept if each[0]))
 
     def singly(self) -> List[Fraction]:
-        """Return the share of each time."""
-        return [share for number, share in self.shares for _ in range(int(number))]
+        """Return the share of each time, of `MAX_EACH` at most."""
+        return [share for number, share in self.shares for _ in range(min(int(number), MAX_EACH))][:MAX_EACH]
 
 
 class _Tree:
@@ -340,7 +342,7 @@ class _Tree:
         for item_id, (number, text) in decided.items():
             self._times[item_id] = _Times(((Fraction(number), ONE),) if number else ())
             self._texts[item_id] = text
-        self._order = [(mark.item, mark.at_s) for mark in marks for _ in range(max(1, int(mark.number)))]
+        self._order = [(mark.item, mark.number, mark.at_s) for mark in marks]
         # What the referee has taken away already.
         self._refused = {item_id: sum((mark.number for mark in course.marks if mark.refused and mark.item == item_id),
                                       ZERO) for item_id in {mark.item for mark in course.marks if mark.refused}}
@@ -433,14 +435,20 @@ class _Tree:
                 times = times.at_most(max(Fraction(condition.since - 1), times.numbers() - early))
         return times
 
-    def _before(self, item: Item, condition: Condition) -> int:
+    def _before(self, item: Item, condition: Condition) -> Fraction:
         """Return how many counts of an item were made before what they need, from the count on that needs it."""
         if not condition.after:
-            return 0
+            return ZERO
         needed = self._all_under(condition.item)
-        begin = min((at_s or ZERO for item_id, at_s in self._order if item_id in needed), default=ZERO)
-        moments = [at_s for item_id, at_s in self._order if item_id == item.id]
-        return sum(at_s is not None and at_s < begin for at_s in moments[condition.since - 1:])
+        begin = min((at_s or ZERO for item_id, _, at_s in self._order if item_id in needed), default=ZERO)
+        early, before = ZERO, ZERO
+        for item_id, number, at_s in self._order:
+            if item_id == item.id:
+                since = max(before, Fraction(condition.since - 1))
+                before += number
+                if at_s is not None and at_s < begin:
+                    early += max(ZERO, before - since)
+        return early
 
     def _all_under(self, item_id: str) -> List[str]:
         """Return the ids of an item and of all that hangs under it."""
@@ -482,14 +490,15 @@ class _Tree:
             return ZERO if chosen is None or self._barred(item) else Fraction(chosen)
         if item.amount is Measure.CLOCK:
             return self._clock_points(item)
-        return Fraction(item.points or 0) * times.total()
+        points = Fraction(item.points or 0) * times.total()
+        return points if item.decimals is None else _rounded(points, item.decimals)
 
     def _clock_points(self, item: Item) -> Fraction:
         """Return the points for the time left: if what it needs is given, or else if the robot completed the run."""
-        course, limit = self._course, self._sheet.limit_s
+        course, limit = self._course, self._sheet.limit_s if self._sheet.clock_s is None else self._sheet.clock_s
         if not course.ended or limit is None or self._barred(item) or not (item.needs or course.completed):
             return ZERO
-        full = max(ZERO, Fraction(limit) - course.elapsed_s) // Fraction(item.seconds)
+        full = max(ZERO, Fraction(str(limit)) - course.elapsed_s) // Fraction(item.seconds)
         return Fraction(item.points or 0) * full
 
     def _share_of(self, item: Item, base: Fraction) -> Fraction:
@@ -505,7 +514,7 @@ class _Tree:
         if item.compounding:
             left = base
             for number, share in times.shares:
-                left *= (1 + rate * share) ** int(number)
+                left *= (1 + rate * share) ** min(int(number), MAX_EACH)
             return left - base
         return base * rate * times.total()
 
@@ -538,10 +547,12 @@ class _Tree:
         found: List[Dict[str, List[Fraction]]] = [{} for _ in range(count)]
         left = {child.id: self._counting(child).singly() for child in self._under.get(item.id, ())}
         seen = 0
-        for item_id, _ in self._order:
+        for item_id, number, _ in self._order:
             if item_id == item.id:
-                seen = min(seen + 1, count)
-            elif left.get(item_id) and count:
+                seen = min(seen + max(1, int(number)), count)
+            for _ in range(max(1, int(number)) if count and item_id != item.id else 0):
+                if not left.get(item_id):
+                    break
                 free = [own for own in found[:seen] or found[:1] if item_id not in own]
                 (free or found[:seen] or found[:1])[-1].setdefault(item_id, []).append(left[item_id].pop(0))
         return found
@@ -579,6 +590,13 @@ class _Tree:
             if child.amount in (Measure.COUNT, Measure.YES) and (child.points or 0) > 0 and changes > times.numbers():
                 self.steps.append(MORE_THAN(item=child.name, number=number_text(changes), other=item.name,
                                             times=number_text(times.numbers())))
+
+
+def _rounded(number: Fraction, decimals: int) -> Fraction:
+    """Round half up, away from zero."""
+    scaled = abs(number) * 10**decimals
+    whole = (2 * scaled + 1) // 2
+    return Fraction(whole if number >= 0 else -whole, 10**decimals)
 
 
 def _sum_text(terms: Sequence[Fraction]) -> str:

@@ -77,7 +77,7 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
                    for name, action in actions.items() if action.fields is not None},
         "switches": None if zone.switches is None else zone.switches._asdict(),
         "items": [item_page(item) for item in zone.items],
-        "points": sheets.points_of(zone.points),
+        "points": sheets.points_text(zone.points),
         "unsigned": [_unsigned_run(run, moments, utc_s) for run in unsigned],
         "unlisted": len(waiting) - len(unsigned),
         "judging": [_judging(judgings[run.identity], run, moments, utc_s) for run in runs
@@ -93,7 +93,7 @@ def moment(document: Document, utc_s: float) -> Tuple[object, ...]:
 
 def sheet_page(sheet: RunSheet) -> Data:
     """Return the score sheet of a run, as `zone_page` has that of the run in the zone."""
-    return {"items": [item_page(item) for item in sheet.items], "points": sheets.points_of(sheet.points)}
+    return {"items": [item_page(item) for item in sheet.items], "points": sheets.points_text(sheet.points)}
 
 
 def clock_page(zone: ZoneSeen, mono: float) -> Data:

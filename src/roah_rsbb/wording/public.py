@@ -159,7 +159,7 @@ def _result(result: PublicResult, utc_s: float) -> ListLine:
               for group in result.groups]
     sums = [sheets.sums_text([group]) for group in groups if group.values]
     if result.points is not None:
-        sums = [sheets.points_text(*result.points)]
+        sums = [sheets.points_text(result.points)]
     lines = [sheets.score_line(score) for score in result.module_scores]
     return ListLine(
         local_time(result.disconnected_utc_s, utc_s), team_text(result.event.team), result.event.benchmark,

@@ -178,21 +178,16 @@ def sums_text(groups: Iterable[GroupOfValues]) -> str:
     return " · ".join(_sum(group) for group in groups if group.values)
 
 
-def points_said(total: str, groups: Iterable[Tuple[str, str]]) -> str:
+def points_said(points: SheetPoints) -> str:
     """Return the points, such as "85 points: Achievements 100 · Penalized -15"; of a single group only the total."""
-    found = [joined([_TIME_LEFT if name == _TIME_LEFT else name, points], " ") for name, points in groups]
-    said = _POINTS(points=total)
+    found = [joined([_TIME_LEFT if name == _TIME_LEFT else name, number], " ") for name, number in points.groups]
+    said = _POINTS(points=points.total)
     return said if len(found) < 2 else joined([said, joined(found, " · ")], ": ")
 
 
-def points_text(total: str, groups: Iterable[Tuple[str, str]]) -> str:
-    """Return the points in the present language."""
-    return tr_said(points_said(total, groups))
-
-
-def points_of(points: Optional[SheetPoints]) -> str:
-    """Return the points of a sheet; empty: it gives none."""
-    return "" if points is None else points_text(*points)
+def points_text(points: Optional[SheetPoints]) -> str:
+    """Return the points in the present language; empty: the sheet gives none."""
+    return "" if points is None else tr_said(points_said(points))
 
 
 def _sum(group: GroupOfValues) -> str:

@@ -50,10 +50,6 @@ def silent(box, query=""):
     return client
 
 
-def clients(box):
-    return box.door._all()
-
-
 # -- the document -------------------------------------------------------------------------------------
 
 
@@ -105,7 +101,7 @@ def test_a_client_that_chooses_another_window_gets_plain_messages(box):
                                 "Sec-WebSocket-Extensions": "permessage-deflate; server_max_window_bits=9"})
     box.change(log="x" * 2000)
     client.read()
-    assert [one._deflates for one in clients(box)] == [False]
+    assert [one._deflates for one in box.clients] == [False]
 
 
 def test_what_is_compressed():
@@ -176,7 +172,8 @@ def test_a_call_that_fails_is_logged_once_and_answered(box, caplog):
         client.send(id=number, call="break")
         assert "of a toy" in client.read_answer()["error"]
     assert [record.levelname for record in caplog.records] == ["ERROR"]
-    box.door._calls = {"save": lambda given, caller: Waiting(lambda: str(1 / 0)), "strange": lambda given, caller: {1}}
+    box.door.add_calls({"save": lambda given, caller: Waiting(lambda: str(1 / 0)),
+                        "strange": lambda given, caller: {1}})
     for name in ("save", "strange"):
         client.send(id=4, call=name)
         assert "error" in client.read_answer()
@@ -199,8 +196,8 @@ def test_each_turn_of_the_loop_carries_out_one_call_and_stop_comes_first(box):
     crowd = [Bare(box) for _ in range(5)]
     stopper = Bare(box, "?face=stop")
     order, turns = [], count_turns(box)
-    box.door._calls = {"act": lambda given, caller: order.append(turns[0]),
-                       "stop": lambda given, caller: order.append("stop")}
+    box.door.add_calls({"act": lambda given, caller: order.append(turns[0]),
+                        "stop": lambda given, caller: order.append("stop")})
     for client in crowd:
         for number in range(5):
             client.connection.write_message(json.dumps({"id": number, "call": "act"}))
@@ -216,7 +213,7 @@ def test_each_turn_of_the_loop_carries_out_one_call_and_stop_comes_first(box):
 def test_a_flood_of_one_client_is_read_one_message_in_a_turn(box):
     flooding = Bare(box)
     done, turns = [], count_turns(box)
-    box.door._calls = {"stop": lambda given, caller: done.append(turns[0])}
+    box.door.add_calls({"stop": lambda given, caller: done.append(turns[0])})
     for number in range(50):
         flooding.connection.write_message(json.dumps({"id": number, "call": "stop"}))
     box.running.until(lambda: len(done) == 50)
@@ -247,7 +244,7 @@ def test_whoever_has_no_token_is_refused(box, headers):
     with pytest.raises(httpclient.HTTPClientError) as raised:
         Bare(box, headers=headers or {"X": "y"})
     assert raised.value.code == 403
-    assert clients(box) == []
+    assert box.clients == []
 
 
 def test_referees_have_places_of_their_own(box, monkeypatch):
@@ -257,7 +254,7 @@ def test_referees_have_places_of_their_own(box, monkeypatch):
     others = [Bare(box) for _ in range(3)]
     referees = [Bare(box, "?face=referee") for _ in range(2)]
     stops = [Bare(box, "?face=stop") for _ in range(2)]
-    assert len(clients(box)) == 7
+    assert len(box.clients) == 7
     late = Bare(box)
     assert "whole" in late.read()
     assert "whole" in others[0].read() and others[0].read() is None
@@ -267,7 +264,7 @@ def test_referees_have_places_of_their_own(box, monkeypatch):
     assert "whole" in third.read() and others[1].read() is None
     box.door.sign()
     assert all(client.read() for client in stops)
-    assert len(clients(box)) == 7
+    assert len(box.clients) == 7
     box.door.close()
 
 
@@ -282,8 +279,8 @@ def test_a_message_that_is_too_long_ends_its_client(box):
 
 def test_a_slow_client_delays_nobody_and_has_no_backlog(box, monkeypatch):
     slow, good = silent(box), Bare(box)
-    box.running.until(lambda: len(clients(box)) == 2)
-    stuck = clients(box)[0]
+    box.running.until(lambda: len(box.clients) == 2)
+    stuck = box.clients[0]
     number = 0
     while stuck.busy_since is None:
         number += 1
@@ -296,21 +293,21 @@ def test_a_slow_client_delays_nobody_and_has_no_backlog(box, monkeypatch):
         pass
     assert len(stuck.ws_connection.stream._write_buffer) <= waiting
     box.door.sign()
-    assert stuck in clients(box)
+    assert stuck in box.clients
     monkeypatch.setattr(serving, "STUCK_S", -1.0)
     box.door.sign()
-    assert stuck not in clients(box) and len(clients(box)) == 1
+    assert stuck not in box.clients and len(box.clients) == 1
     slow.close()
 
 
 def test_a_client_that_reads_no_answers_is_ended(box):
     slow = silent(box, "?face=stop")
-    box.running.until(lambda: len(clients(box)) == 1)
-    (stuck,) = clients(box)
+    box.running.until(lambda: len(box.clients) == 1)
+    (stuck,) = box.clients
     text = json.dumps({"id": 1, "answer": "x" * 50000})
     for _ in range(door.MAX_ANSWERS + 200):
         stuck.send(box.now(), text)
-    assert clients(box) == []
+    assert box.clients == []
     slow.close()
 
 
@@ -322,7 +319,7 @@ FIRST_FRAGMENT = bytes([0x01, 0x80, 0, 0, 0, 0])
 @pytest.mark.parametrize("flood", [PING, PONG, FRAGMENT], ids=["pings", "pongs", "fragments"])
 def test_a_flood_of_frames_that_are_no_messages_is_read_one_in_a_turn(box, monkeypatch, flood):
     client = silent(box, "?face=stop")
-    box.running.until(lambda: clients(box))
+    box.running.until(lambda: box.clients)
     loop, turn, read_in, receive = box.running.loop, [0], [], websocket.WebSocketProtocol13._receive_frame
 
     def next_turn():
@@ -343,8 +340,8 @@ def test_a_flood_of_frames_that_are_no_messages_is_read_one_in_a_turn(box, monke
 
 def test_no_answers_to_pings_pile_up(box):
     client = silent(box, "?face=stop")
-    box.running.until(lambda: clients(box))
-    (stuck,) = clients(box)
+    box.running.until(lambda: box.clients)
+    (stuck,) = box.clients
     client.setblocking(False)
     longest = bytes([0x89, 0x80 + 125, 0, 0, 0, 0]) + b"x" * 125
     while not stuck.ws_connection.stream.writing():
@@ -362,7 +359,7 @@ def test_clients_that_go_free_their_places(box):
     gone = [Bare(box) for _ in range(3)]
     for client in gone:
         client.connection.close()
-    box.running.until(lambda: not clients(box))
+    box.running.until(lambda: not box.clients)
 
 
 def test_everything_that_leaves_is_checked(box):

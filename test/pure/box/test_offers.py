@@ -52,10 +52,10 @@ def test_a_call_is_passed_on_and_its_answer_comes_back(box):
     asking, asked = asked_by(box, client, role="judge", zone="Home")
     assert {name: asked[name] for name in ("call", "face", "address", "arguments")} == {
         "call": "pair", "face": "referee", "address": HOST, "arguments": {"role": "judge", "zone": "Home"}}
-    (waiting,) = box.door._offers._asked.values()
+    (waiting,) = box.asked.values()
     client.send(asked=asked["asked"], answer={"code": "ABCD"})
     assert asking.read_answer() == {"id": 7, "number": box.written.number, "answer": {"code": "ABCD"}}
-    assert box.done == [] and not box.door._offers._asked and waiting.late.cancelled()
+    assert box.done == [] and not box.asked and waiting.late.cancelled()
 
 
 @pytest.mark.parametrize("given", [{"refused": ["no zone"]}, {"refused": ["x"], "known": False}, {"error": "a bug"}])
@@ -86,7 +86,7 @@ def test_what_nobody_offers_is_refused_with_the_remedy(box, call, remedy):
 def test_a_call_whose_client_ends_is_refused(box):
     asking, gone = Bare(box), offering(box, "mine")
     box.running.do(asking.connection.write_message(json.dumps({"id": 1, "call": "mine"})))
-    box.running.until(lambda: box.door._offers._asked)
+    box.running.until(lambda: box.asked)
     gone.connection.close()
     ((text, values),) = asking.read_answer()["refused"]
     assert "mine now" in values["why"][0].format(**values["why"][1]) and "ended" in values["error"][0]
@@ -167,7 +167,6 @@ def test_a_malformed_offer_is_refused(box, calls):
     client = Bare(box)
     client.send(offer=calls)
     assert "at most 16 names" in read_of(client, "offer")["refused"][0]
-    assert not box.door._offers._offers
     client.send(id=1, call="act")
     assert client.read_answer()["id"] == 1
 
@@ -200,7 +199,7 @@ def test_one_that_has_gone_is_not_answered(box):
     client = offering(box, "pair")
     asking, asked = asked_by(box, client)
     asking.connection.close()
-    box.running.until(lambda: len(box.door._all()) == 1)
+    box.running.until(lambda: len(box.clients) == 1)
     client.send(asked=asked["asked"], answer=1)
     other, asked = asked_by(box, client)
     client.send(asked=asked["asked"], answer=2)
@@ -245,7 +244,7 @@ def test_stop_waits_for_no_offer_and_no_answer(box):
 
     for name in ("offer", "pass_on", "answered"):
         setattr(box.door._offers, name, noted(name))
-    box.door._calls["stop"] = lambda given, caller: order.append((turns[0], "stop"))
+    box.door.add_calls({"stop": lambda given, caller: order.append((turns[0], "stop"))})
     crowd = [Bare(box) for _ in range(5)]
     count()
     for number in range(5):
@@ -265,6 +264,6 @@ def test_stop_waits_for_no_offer_and_no_answer(box):
 def test_a_closed_door_waits_for_nothing(box):
     client = offering(box, "pair")
     asking, _ = asked_by(box, client)
-    (waiting,) = box.door._offers._asked.values()
+    (waiting,) = box.asked.values()
     box.door.close()
     assert waiting.late.cancelled()

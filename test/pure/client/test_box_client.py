@@ -5,7 +5,8 @@ import socket
 import threading
 
 import pytest
-from tornado import web, websocket
+from tornado import httpserver, web, websocket
+from tornado.netutil import bind_sockets
 
 from helpers.running_loop import running
 from helpers.toy_box import HOST, TOKEN, ToyBox
@@ -40,8 +41,17 @@ class World:
     def connected(self, **how):
         """A client that has the document and a connection for STOP."""
         made = self.client(**how)
-        self.until(lambda: made.document is not None and not made.why and "stop" in made._links)
+        self.until(lambda: made.document is not None and not made.why and self.link(made, "stop") is not None)
         return made
+
+    @staticmethod
+    def link(client, way):
+        """The connection of a client for STOP or for everything else ("main"), if there is one."""
+        return client._links.get(way)
+
+    @staticmethod
+    def in_its_loop(client, call):
+        client._loop.call_soon_threadsafe(call)
 
     def until(self, condition):
         self.running.until(condition)
@@ -130,7 +140,7 @@ def test_the_clock_of_a_replay_passes_at_its_rate(world):
 def test_a_gap_is_closed_by_the_whole(world):
     client = world.connected()
     yard = client.document.zones["Yard"]
-    follower = next(one for one in world.box.door._all() if one._follower is not None)._follower
+    follower = next(one for one in world.box.clients if one._follower is not None)._follower
     for count in (1, 2):
         world.box.toy = world.box.toy._replace(
             zones={**world.box.toy.zones, "Home": world.box.toy.zones["Home"]._replace(count=count)})
@@ -156,8 +166,7 @@ def test_in_a_loop_that_there_is(world):
     client = world.connected(loop=world.running.loop)
     assert world.answer(client.call("act")).answer == {"count": 1}
     client.close()
-    world.until(lambda: not world.box.door._all())
-    assert not client._tasks
+    world.until(lambda: not world.box.clients)
 
 
 # -- calls --------------------------------------------------------------------------------------------
@@ -233,7 +242,7 @@ def test_a_client_ends_although_a_message_comes_in_that_moment(world, monkeypatc
 
     monkeypatch.setattr(asyncio, "wait_for", losing)
     client.close()
-    assert not client._thread.is_alive()
+    assert not [one for one in threading.enumerate() if one.name == "client"]
 
 
 def test_a_call_that_takes_too_long_is_not_answered(world):
@@ -277,7 +286,7 @@ def test_a_client_carries_out_what_it_offers(world):
     given, caller = world.answer(other.call("pair", role="judge")).answer
     assert (given, Caller(*caller)) == ({"role": "judge"}, Caller("referee", HOST))
     assert world.answer(other.call("no")).reasons[0].values == {"robot": "r1", "number": 2}
-    assert world.answer(other.call("thread")).answer != client._thread.name
+    assert world.answer(other.call("thread")).answer != "client"
     saved = world.answer(other.call("saved"))
     assert (saved.reasons, saved.is_known) == (("the disk is full",), False)
     for name in ("broken", "strange"):
@@ -291,8 +300,9 @@ def test_what_is_offered_is_offered_again_to_the_next_box(world, face):
     client, other = offering(world, face=face), world.connected()
     world.until(lambda: not client.not_offered)
     world.restart()
-    world.until(lambda: world.box.door._offers._in_force and not client.not_offered)
-    assert world.answer(other.call("pair", again=True, timeout_s=60.0)).answer[0] == {}
+    while world.answer(other.call("pair", again=True, timeout_s=60.0)).reasons:
+        world.running.turn()  # it is not offered yet
+    assert world.answer(other.call("pair")).answer[0] == {}
     assert world.answer(client.call("act")).is_answered
     assert (client.document is None) == (face == HELPER), "whoever only helps is sent no document"
 
@@ -321,7 +331,7 @@ def test_stop_does_not_wait_for_one_that_hangs(world):
     client, other = offering(world, {"pair": lambda given, caller: held.wait(60)}), world.connected()
     world.until(lambda: not client.not_offered)
     waiting = other.call("pair", timeout_s=60.0)
-    world.until(lambda: world.box.door._offers._asked)
+    world.until(lambda: world.box.asked)
     assert world.answer(other.stop("Home", "run 1")).is_answered
     assert world.answer(other.call("act")).answer == {"count": 2}
     assert not waiting.done()
@@ -334,8 +344,8 @@ def test_one_that_dies_is_not_waited_for(world):
     client, other = offering(world, {"pair": lambda given, caller: InThread(lambda: held.wait(60))}), world.connected()
     world.until(lambda: not client.not_offered)
     waiting = other.call("pair", timeout_s=60.0)
-    world.until(lambda: world.box.door._offers._asked)
-    client._loop.call_soon_threadsafe(client._links["main"].socket.close)
+    world.until(lambda: world.box.asked)
+    world.in_its_loop(client, world.link(client, "main").socket.close)
     assert NO_WEB in world.answer(waiting).reasons[0]
     held.set()
 
@@ -357,11 +367,11 @@ def test_stop_has_a_connection_of_its_own(world):
 
 def test_stop_opens_a_connection_if_there_is_none(world, monkeypatch):
     client = world.connected()
-    link = client._links["stop"]
-    client._loop.call_soon_threadsafe(link.close)
-    world.until(lambda: "stop" not in client._links)
+    link = world.link(client, "stop")
+    world.in_its_loop(client, link.close)
+    world.until(lambda: world.link(client, "stop") is None)
     assert world.answer(client.stop("Home", "run 1")).is_answered
-    assert len(stops(world)) == 1 and client._links["stop"] is not link
+    assert len(stops(world)) == 1 and world.link(client, "stop") is not link
 
 
 def test_stop_takes_the_first_connection_if_its_own_is_silent(world, monkeypatch):
@@ -393,7 +403,7 @@ def test_stop_looks_for_another_door_while_the_first_one_hangs(world, monkeypatc
         places = [DoorPlace(f"ws://{HOST}:{listening.getsockname()[1]}/door", TOKEN)]
         world.find = lambda: places.pop() if places else world.box.place
         client = world.client()
-        world.until(lambda: client._place is not None)
+        world.until(lambda: not places)
         assert world.answer(client.stop("Home", "run 1", timeout_s=60.0)).is_answered
         assert client.document is None and stops(world)
 
@@ -440,9 +450,9 @@ def test_why_there_is_no_connection(world, monkeypatch):
 def test_a_box_that_hangs_is_noticed(world, monkeypatch):
     monkeypatch.setattr(client_file, "OLD_S", 0.05)
     monkeypatch.setattr(client_file, "SILENT_S", 0.2)
-    client = world.connected()
     ended = threading.Event()
-    client._on_change = lambda: ended.set() if client.why else None
+    client = world.connected(on_change=lambda: ended.set() if world.clients and world.clients[0].why else None)
+    ended.clear()
     assert ended.wait(60), "the loop of the box does not run meanwhile"
     assert client.is_old and "silent" in client.why and client.silence_s > 0.05
     assert client.document == world.box.toy
@@ -469,9 +479,9 @@ def test_a_box_of_another_version_is_reported(world, message):
             self.write_message(message)
 
     asyncio.set_event_loop(world.running.loop)
-    server = web.Application([("/door", Other)]).listen(0, HOST)
-    (port,) = {sock.getsockname()[1] for sock in server._sockets.values()}
-    world.find = lambda: DoorPlace(f"ws://{HOST}:{port}/door", TOKEN)
+    server, (listening,) = httpserver.HTTPServer(web.Application([("/door", Other)])), bind_sockets(0, HOST)
+    server.add_sockets([listening])
+    world.find = lambda: DoorPlace(f"ws://{HOST}:{listening.getsockname()[1]}/door", TOKEN)
     client = world.client()
     world.until(lambda: "is of another version than this program" in client.why)
     assert client.document is None and client.is_old
@@ -486,11 +496,10 @@ def test_a_slow_client_gets_the_newest(world):
         entered.set()
         held.wait(60)
 
-    client._loop.call_soon_threadsafe(hold)
+    world.in_its_loop(client, hold)
     assert entered.wait(60)
-    connection = next(one for one in world.box.door._all() if one._follower is not None)
     number = 0
-    while connection.busy_since is None:
+    while not any(one.busy_since is not None for one in world.box.clients):
         number += 1
         world.box.change(log=f"{number} " * 50000)
     for _ in range(20):

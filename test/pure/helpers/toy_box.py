@@ -37,6 +37,16 @@ class ToyBox:
     def place(self):
         return DoorPlace(f"ws://{HOST}:{self.port}/door", TOKEN)
 
+    @property
+    def clients(self):
+        """The clients of the door."""
+        return self.door._all()
+
+    @property
+    def asked(self):
+        """The calls for which a client that offers them has been asked."""
+        return self.door._offers._asked
+
     def now(self):
         """A monotonic clock that is not that of this computer."""
         mono = self.running.loop.time() + 5000.0

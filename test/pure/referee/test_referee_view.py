@@ -38,7 +38,9 @@ def _lines(old, new):
         "Home B: NOT CONNECTED\n    Time limit of the run 10:00\n",
         "HGTKMH, team TestingTeam, round 1, run 1, scheduled 16:36 UTC", "allowed now: next"]),
     ([], {"robots": (robot("late", skew=-0.15, silent_since=MONO0 - 12.0),)},
-     ["    TestingTeam late: skew -0.150 s, heard 12 s ago"]),
+     ["    Team         Robot  Link        Clock skew  Run in zone  Last heard\n"
+      "    TestingTeam  late   ▯▯▯ silent  -0.150 s    –            12 s ago\n"]),
+    ([], {"robots": (robot("\x1b[2J"),)}, ["  \\x1b[2J  "]),
     ([], {"robots": ()}, ["Active robots: none"]),
     ([running_zone(state=("Running",), warnings=("silent",))], {"warnings": ("Another box",)},
      ["WARNING: Another box", "    WARNING: silent"]),

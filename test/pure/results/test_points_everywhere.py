@@ -53,9 +53,10 @@ def test_points_are_the_same_everywhere(seed):
         result = RunResult(number, record, (), ())
         total, groups = record.points.total, dict(record.points.groups)
         _check_lines(list(sheet_lines(result, True, False)), record)
-        assert points_text(*record.points) in re.sub("<[^>]*>", "", sheet_page(result, True))
+        assert points_text(record.points) in re.sub("<[^>]*>", "", sheet_page(result, True))
         _check_rows(list(result_rows([record], True)), total, groups)
         value = json.loads(json.dumps(exported([result], [standing], "journal", 0.0)))["runs"][0]
+        assert value["points"].pop("steps", []) == [*record.points.steps]
         assert value["points"] == {"total": total, "groups": [
             {"name": name, "points": points} for name, points in groups.items()]}
         _check_front(front_of(record, None, "", True), record)
@@ -65,7 +66,7 @@ def test_points_are_the_same_everywhere(seed):
 
 
 def _check_lines(lines, record):
-    assert points_text(*record.points) in lines
+    assert points_text(record.points) in lines
     for item in record.items:
         if item.points:
             pattern = rf" +{re.escape(item.points)}  {re.escape(item.desc)}( \(|$)"

@@ -18,6 +18,7 @@ from roah_rsbb.model.scoring import GroupLimits, ScoreKind, ScoringItem, SheetFo
 from roah_rsbb.scoring.book import FinishedRun, RunBook
 from roah_rsbb.scoring.points import counted, jury_text, number_of, text_of, whole_part
 from roah_rsbb.scoring.sheet import Mark, ScoreSheet
+from roah_rsbb.scoring.tree import Course
 
 OBJECTS = ScoringItem("Table", "objects", ScoreKind.UINT, Decimal(20), most=Decimal(5))
 EMPTY = ScoringItem("Table", "empty", ScoreKind.BOOL, Decimal(30), needs=(OBJECTS.key,))
@@ -381,7 +382,7 @@ def test_points_are_counted_once_until_something_changes(book):
 
 def test_a_sheet_without_points_is_not_counted():
     form = SheetForm((ScoringItem("G", "d", ScoreKind.INT),))
-    assert counted(form, (), 0.0, "completed") == ((), None)
+    assert counted(form, (), Course()) == ((), None)
     assert not form.is_plain
 
 

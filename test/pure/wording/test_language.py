@@ -18,6 +18,7 @@ from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs import functionality
 from roah_rsbb.journal import copy_folder
 from roah_rsbb.model.reason import Reason, decode, encode
+from roah_rsbb.model.records import GroupPoints, SheetPoints
 from roah_rsbb.model.scoring import TIME_LEFT
 from roah_rsbb.standby import remote
 from roah_rsbb.wording import language, sheets, stop, times
@@ -267,7 +268,7 @@ def test_a_decimal_number_has_the_sign_of_the_readers_language(text, shown):
 
 
 def test_a_german_reader_sees_points_in_german():
-    points = sheets.points_said("866.662", [("Table", "800"), (TIME_LEFT, "66.662")])
+    points = sheets.points_said(SheetPoints("866.662", (GroupPoints("Table", "800"), GroupPoints(TIME_LEFT, "66.662"))))
     assert points == "866.662 points: Table 800 · Time left 66.662"
     with in_language(CATALOGUES["de"]):
         assert language.tr_said(decode(encode(points))) == "866,662 Punkte: Table 800 · Restzeit 66,662"

@@ -5,17 +5,14 @@ import os
 import pathlib
 import re
 import signal
-import socket
 import tempfile
 from typing import Any, Dict, Iterable, List
 
 import rospy
-from rosgraph_msgs.msg import Log
 from support.box_case import LISTENER
 from support.box_client import BoxClient, Refusal
-from support.own_core import OTHER, OTHER_CORE, PARAMS, Core, OwnCoreCase
+from support.own_core import OTHER, OTHER_CORE, PARAMS, OwnCoreCase
 from support.programs import Program, own, run
-from support.referee_program import called
 from support.robots import BOX, RSBB_PORT
 from support.waiting import LIMIT_S, wait_until
 
@@ -30,7 +27,6 @@ PORT = RSBB_PORT + 94
 STANDBY = "127.0.0.7"
 DOOR = ("Achievements", "Detects the door whose state has changed")
 COPY = "The copy of the journal"
-NOT_CONFIRMED = "NOT CONFIRMED"
 
 
 def mode_of(path: pathlib.Path) -> int:
@@ -168,73 +164,6 @@ class TestBackup(OwnCoreCase):
             self.assertTrue(there)
             self.assertEqual(there, self.marks(self.log_dir))
 
-    def test_two_copies_are_demanded(self) -> None:
-        far = self.folder / "far"
-        self.start_with("two", standby_port=PORT)
-        line = len(self.schedule.read_text("utf-8").splitlines())
-        robot = self.robot("Alpha")
-        self.box.connect(ZONE)
-        self.box.start(ZONE)
-        robot.wait_did("execute HGTKMH")
-
-        # Without a standby, the mark counts, but is not confirmed. Nothing else waits.
-        self.assertIn(NOT_CONFIRMED, self.wait_warned("no standby is paired yet"))
-        why = self.enter(1)
-        self.assertIn(f"Enter on the box: rosrun roah_rsbb standby code --log-dir {self.log_dir}", why)
-        self.assertIn(f"delete 'durable: two' in {self.schedule}:{line} and reload", why)
-        self.assertIn("It counts, and is saved on this computer: do not enter it again", why)
-        self.box.wait_scored(ZONE, (*DOOR, 0, 1))
-        wait_until(lambda: any(run.entries for run in self.box.document.box.unsaved), "panels mark it")
-
-        # As soon as there is one, all of it is confirmed.
-        follower = self.start_standby(far)
-        self.wait_no_warning(NOT_CONFIRMED)
-        wait_until(lambda: not self.box.document.box.unsaved, "panels mark nothing any more")
-        self.assertEqual(len(self.marks(far)), 1)
-        self.assert_confirmed_with_copy(far)
-
-        # When it is lost, STOP and the end of the run are as always.
-        follower.close()
-        self.core.wait_printed("the standby is not connected")
-        wait_until(lambda: self.enter(0), "the loss was seen")
-        self.assertIn("the standby is not connected. It connects by itself: check that it runs", self.enter(1))
-        self.box.command("stop", ZONE)
-        robot.wait_did("stop")
-        self.assertIn("is not connected", self.wait_warned(NOT_CONFIRMED))
-
-        # The organiser continues with one computer.
-        self.schedule.write_text(self.schedule.read_text("utf-8").replace("- durable: two\n", ""), "utf-8")
-        listed = called("reload", "--check")
-        self.assertIn("durable: two, now one", listed.stdout)
-        self.assertEqual(called("reload", "--yes", "--by", "Olga").returncode, 0)
-        self.assertEqual(self.enter(0), "")
-        self.wait_no_warning(NOT_CONFIRMED)
-        wait_until(lambda: not self.box.document.box.unsaved, "panels mark nothing any more")
-
-    def test_a_standby_is_replaced(self) -> None:
-        """Whoever reads the log or the document cannot do that, and every referee hears of it."""
-        logged: List[str] = []
-        self.addCleanup(rospy.Subscriber("/rosout", Log, lambda line: logged.append(line.msg)).unregister)
-        self.start_with(standby_port=PORT)
-        first = self.start_standby(self.folder / "far")
-        first.wait_printed("The copy is kept")
-        code = self.code()
-        stranger = self._leaving(Program("env", own("standby"), "follow", BOX, "--port", str(PORT), "--code", code,
-                                         "--log-dir", str(self.folder / "stranger"), f"bind_host:={STANDBY}"))
-        stranger.wait_printed("The copy is kept")
-        self.assertEqual(first.wait_ended(), 1)
-        self.assertIn("this standby is not paired with the box: another one was paired", first.text)
-        name = socket.gethostname()
-        warning = self.wait_warned(f"instead of {name} at {BOX}")
-        self.assertIn(f"The standby is {name} at ", warning)
-        self.core.wait_printed("instead of")
-        unused = self.code()
-        self.end_copying()
-        self.core.wait_printed("can be paired on TCP port", times=2)
-        for text in (*logged, str(self.box.document), self.core.text):
-            self.assertNotIn(code, text)
-            self.assertNotIn(unused, text)
-
     def test_others_may_read_neither_journal_nor_copies(self) -> None:
         far = self.folder / "far"
         self.start_core(self.log_dir, backup_dir=self.stick, standby_port=PORT)
@@ -249,15 +178,6 @@ class TestBackup(OwnCoreCase):
             self.assertEqual(mode_of(journal), 0o750)
             self.assertEqual(set(modes_of(journal.iterdir()).values()), {0o640})
             self.assertEqual([path for path, mode in modes_of(folder.rglob("*")).items() if mode & 0o007], [])
-
-    def test_two_copies_need_a_standby(self) -> None:
-        self.schedule = self.folder / "schedule.yaml"
-        text = "- durable: two\n" + PARAMS["schedule_file"].read_text("utf-8")
-        self.schedule.write_text(text, "utf-8")
-        core = self._leaving(Core({"schedule_file": self.schedule, "log_dir": self.log_dir, "standby_port": 0}))
-        core.wait_ended()
-        self.assertIn(f"{self.schedule}:1: 'durable: two' needs a standby: start the box with standby_port:=8083, or "
-                      "delete this line", core.text)
 
     def marks(self, folder: pathlib.Path) -> List[Any]:
         """Return the referee's marks in a journal."""

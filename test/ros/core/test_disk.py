@@ -22,12 +22,12 @@ MUCH = tuple(f"{number} {'x' * 400}" for number in range(30))
 
 
 class DiskCase(OwnCoreCase):
-    def use_disk(self, kilobytes: int = 1024, breaks: bool = False) -> SmallDisk:
+    def use_disk(self) -> SmallDisk:
         """A disk that exists during the test. Skips the test if no disk can be created."""
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         try:
-            self.disk = self._leaving(SmallDisk(pathlib.Path(folder.name) / "disk", kilobytes, breaks))
+            self.disk = self._leaving(SmallDisk(pathlib.Path(folder.name) / "disk", 1024))
         except (CannotMount, OSError) as error:
             self.skipTest(f"no file system can be mounted here: {error}")
         self.log_dir = self.disk.path / "logs"
@@ -105,17 +105,6 @@ class TestDisk(DiskCase):
         disk.free()
         self.wait_unsaved([])
         self.assert_all_is_written("there is room", *MUCH, "there is none")
-
-    def test_a_disk_that_breaks(self) -> None:
-        disk = self.use_disk(4096, breaks=True)
-        self.start()
-        robot = self.running()
-        disk.fail()
-        self.wait_warned(JOURNAL)
-        self.assertIn("not saved: ", self.score_without_disk())
-        self.to_the_end(robot, "into the void")
-        self.box.wait_zone(ZONE, lambda z: z.connect_enabled, "the zone can continue")
-        self.assertIsNone(self.core.ended_mono)
 
     def test_a_core_that_is_killed_while_its_disk_is_full(self) -> None:
         disk = self.use_disk()

@@ -5,20 +5,18 @@ Everything expected here is written out, because teams and referees rely on it: 
 
 import time
 import unittest
-from typing import List
 
 import rosgraph
 import rospy
 import rosservice
 import yaml
 from support.box_case import LISTENER, PACKAGE, BoxCase
-from support.box_client import BoxClient, Refusal
+from support.box_client import Refusal
 from support.programs import Program
 from support.robots import BROADCAST, RSBB_PORT
 from support.waiting import LIMIT_S, happened, wait_until
 
 from roah_rsbb import msg, srv
-from roah_rsbb.model.results import EventSeen
 from roah_rsbb.msg import CoreToGui, CoreToPublic, Score
 
 CORE = "/roah_rsbb_core"
@@ -138,38 +136,6 @@ class TestLatched(unittest.TestCase):
             self.assertGreaterEqual(first.clock.to_sec(), asked)
 
 
-class TestSchedule(BoxCase):
-    ZONE = "Functionality Benchmarks"
-
-    def events(self) -> List[EventSeen]:
-        self.box.wait_current()
-        return [event for event in self.box.document.events() if event.zone == self.ZONE]
-
-    def choose(self, listed: EventSeen, **other: object) -> None:
-        fields = {"zone": listed.zone, "team": listed.team, "event": listed.id, **other}
-        self.box.act("choose_event", fields.pop("zone"), **fields)
-
-    def test_an_event_is_chosen(self) -> None:
-        first, *_, last = self.events()
-        self.assertEqual((first.current, first.state, last.current, last.state), (True, "next", False, "later"))
-        self.assertGreater(first.begins_utc_s, time.time() - 60.0, "its scheduled time is long over")
-        self.assertGreater(last.begins_utc_s, first.begins_utc_s)
-        self.choose(last)
-        self.assertTrue(self.events()[-1].current)
-        self.assertEqual(self.events()[0].state, "skipped")
-        self.box.wait_zone(self.ZONE, lambda zone: zone.code == last.code, "panels show it")
-        self.choose(first)
-        self.assertTrue(self.events()[0].current, "the first one is current again")
-
-    def test_an_event_that_is_not_in_the_schedule(self) -> None:
-        event = self.events()[1]
-        for other, why in (({"team": "Nobody"}, "is of team .* now"), ({"event": "e9"}, "has no event 'e9'"),
-                           ({"zone": "x"}, "no zone 'x'"), ({"event": ""}, "Event is missing")):
-            with self.subTest(other), self.assertRaisesRegex(Refusal, why):
-                self.choose(event, **other)
-        self.assertTrue(self.events()[0].current)
-
-
 class TestServices(BoxCase):
     def test_names_and_types(self) -> None:
         for name, kind in CORE_SERVICES.items():
@@ -223,12 +189,6 @@ class TestWhatIsPublished(BoxCase):
         times = [line.time for line in self.box.public.schedule]
         self.assertEqual(times, sorted(times))
         self.assertEqual({line.running for line in self.box.public.schedule}, {False})
-
-    def test_a_client_that_starts_late_sees_all(self) -> None:
-        late = BoxClient()
-        self.addCleanup(late.close)
-        late.wait_heard()
-        self.assertEqual(late.document, self.box.document)
 
 
 class TestParameters(unittest.TestCase):

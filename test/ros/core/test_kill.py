@@ -2,23 +2,17 @@
 
 import pathlib
 import signal
-import socket
 import tempfile
 from typing import List
-from unittest import mock
 
 import rospy
-from support.own_core import PARAMS, Core, OwnCoreCase
+from support.own_core import PARAMS, OwnCoreCase
 from support.programs import Program, own
-from support.robots import BOX, CONFIG, RSBB_PORT, Robot
+from support.robots import CONFIG, Robot
 from support.waiting import wait_until
-
-from roah_rsbb.comm.peer import Peer
-from roah_rsbb.journal.log_dir import JOURNAL
 
 GROUP, OBJECTS = ITEM = ("Achievements", "Objects")
 STATES = ["STOP", "PREPARE", "WAITING_RESULT", "STOP"]
-STRANGER = "127.0.2.1"
 BENCHMARKS = {"benchmarks_file": CONFIG / "kill_benchmarks.yaml"}
 
 
@@ -100,62 +94,6 @@ class TestKilledOnce(OwnCoreCase):
             self.assertEqual(robot.did, [f"prepare {benchmark}", f"execute {benchmark}", "stop"])
         self.assert_records(ports)
         self.assertEqual(box.timeouts, 1)
-
-    def test_a_core_that_hangs(self) -> None:
-        """The next one waits for its end, says how to end it, and continues its run."""
-        self.start()
-        alpha = self.robot("Alpha")
-        port = self.begin("Home", alpha, "HGTKMH")
-        hung, before = self.core, self.box.uuid
-        self.addCleanup(hung.kill)
-        hung.stop()
-        waiting = self._leaving(Core({**BENCHMARKS, "schedule_file": CONFIG / "kill.yaml", "log_dir": self.log_dir}))
-        wait_until(lambda: f"in use by process {hung.pid}, which is stopped" in waiting.text
-                   and f"kill -9 {hung.pid}" in waiting.text, lambda: f"it waits; it printed\n{waiting.text}")
-        self.assertEqual(self.box.uuid, before, "it does not speak yet")
-        hung.kill()
-        self.box.wait_other_core(before, lambda: f"a core is heard; it printed\n{waiting.text}")
-        self.box.wait_phase("Home", "running")
-        self.assertEqual(self.box.zone_details("Home").port, port, "the run continues")
-        folders = [path.name for path in self.log_dir.iterdir() if path.is_dir()]
-        self.assertEqual(folders, [JOURNAL], "in the same journal")
-        alpha.let("execute")
-        self.box.wait_text("Home", "Benchmark completed by the robot")
-
-    def test_recordings_of_the_attempt_before_do_not_complete_a_run(self) -> None:
-        """Somebody without the password sends them, after a restart, while the robot is off."""
-        recorded, send = [], Peer.send
-
-        def record(peer: Peer, datagram: bytes, host: str) -> bool:
-            if peer.port > RSBB_PORT:
-                recorded.append(datagram)
-            return send(peer, datagram, host)
-
-        self.start()
-        alpha = self.robot("Alpha")
-        with mock.patch.object(Peer, "send", record):
-            self.begin("Home", alpha, "HGTKMH")
-            alpha.let("execute")
-            self.box.wait_text("Home", "Benchmark completed by the robot")
-            self.box.command("disconnect", "Home")
-            self.box.wait_phase("Home", "idle")
-        self.box.command("previous", "Home")
-        port = self.begin("Home", alpha, "HGTKMH")
-        alpha.wait_did("execute HGTKMH", 2)
-        alpha.close()
-        self.core.kill()
-        self.start()
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
-            stranger.bind((STRANGER, 0))
-
-            def play(zone) -> bool:
-                for datagram in recorded:
-                    stranger.sendto(datagram, (BOX, port))
-                return "but old ones" in zone.state
-
-            self.box.wait_zone("Home", play, "it hears old messages only")
-        details = self.box.zone_details("Home")
-        self.assertEqual((details.phase, details.port, details.end_reason), ("running", port, ""))
 
     def lines(self, zone: str) -> List[str]:
         """A zone's online data."""

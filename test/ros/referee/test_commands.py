@@ -75,7 +75,7 @@ class TestCommands(WithCore):
         done = subprocess.run(["rosrun", "roah_rsbb", "referee", "status"], capture_output=True, text=True,
                               timeout=LIMIT_S)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
-        for text in ("RSBB at 127.255.255.255:6666", "TestingTeam mbot: skew +0.012 s", "Home A: NOT CONNECTED",
+        for text in ("RSBB at 127.255.255.255:6666", "TestingTeam  mbot   ▮▮▮ good  +0.012 s", "Home A: NOT CONNECTED",
                      "Home B: NOT CONNECTED"):
             self.assertIn(text, done.stdout)
         self.assertNotIn("\x1b", done.stdout)

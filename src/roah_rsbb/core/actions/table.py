@@ -20,12 +20,10 @@ from roah_rsbb.model.records import By
 from roah_rsbb.scoring.sheet import Mark
 from roah_rsbb.wording.texts import did_you_mean
 
-# What each action of `model.actions` does.
-KINDS: Tuple[Type[ZoneAction], ...] = (
-    runs.Connect, runs.Disconnect, runs.Start, runs.StopRun, runs.Previous, runs.Next, runs.PreviousPhase,
-    runs.NextPhase, runs.Continue, runs.Pause, runs.ResumeClock, runs.OpenSheet, runs.RecordNoShow, runs.Withdrawn,
-    runs.ChooseEvent, modules.Operation, modules.Switch, modules.Damaged, modules.ConfirmSwitches,
-)
+# What each action of `model.actions` does: the classes of these files that have its name.
+KINDS: Tuple[Type[ZoneAction], ...] = tuple(
+    kind for file in (runs, modules) for kind in vars(file).values()
+    if isinstance(kind, type) and issubclass(kind, ZoneAction) and "name" in vars(kind))
 
 NO_ACTION = say("no action '{action}'{hint}")
 NO_TEAM = say("Name the team: the zone may have gone to the event of another one")

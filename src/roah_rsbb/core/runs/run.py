@@ -409,7 +409,8 @@ class ZoneRun(abc.ABC):
 
     def mark(self, now: Now, who: str, mark: Mark) -> None:
         """Mark a scoring item. Raises `Refused` if the item or the value does not exist."""
-        marked = self.book.mark(now, who, mark)
+        running = self.phase is Phase.RUNNING
+        marked = self.book.mark(now, who, mark, self.clock.elapsed(now) if running else None)
         if marked.text:
             self._score_changed(now, marked)
 

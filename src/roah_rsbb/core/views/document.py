@@ -236,7 +236,7 @@ def clock_of(run: Optional[ZoneRun], benchmark: Benchmark, now: Now) -> RunClock
     )
     if run is None:
         return clock
-    clock = clock._replace(setup_elapsed=run.times.setup_elapsed(now))
+    clock = clock._replace(limit=_finite(run.clock.limit), setup_elapsed=run.times.setup_elapsed(now))
     if run.phase is Phase.CONNECTED:
         return clock
     if run.phase is Phase.ENDED:

@@ -95,7 +95,7 @@ def sums_of_record(record: RunRecord) -> str:
     """Return what a module measured of the whole run, and the points of its score sheet, or the sums of its groups if
     it gives none."""
     measured = [joined(score_line(score), ": ") for score in record.module_scores if not score.group]
-    sums = sums_text(_groups(record.items)) if record.points is None else points_said(*record.points)
+    sums = sums_text(_groups(record.items)) if record.points is None else points_said(record.points)
     return joined([*measured, *filter(None, [sums])], " · ")
 
 

@@ -483,7 +483,7 @@ class ScoringPanel(Panel):
         groups = () if points is None else points.groups
         self.sheet.show_points({name: tr("{points} points", points=given) for name, given in groups})
         self.points.setVisible(points is not None)
-        text = sheets.points_of(points)
+        text = sheets.points_text(points)
         if text != self.points.text():
             self.points.setText(text)
 

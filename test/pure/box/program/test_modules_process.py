@@ -56,7 +56,8 @@ class Hosted:
 
 
 @pytest.fixture
-def folder(tmp_path):
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
     shutil.copytree(str(shipped_folder() / "modules"), str(tmp_path / "modules"))
     return tmp_path / "modules"
 
@@ -87,7 +88,6 @@ def with_rules(folder, evil):
     pytest.param("os.fork() or time.sleep(1000); os._exit(3)", id="fork"),  # its child has the process's pipes, too
 ])
 def test_after_rules_that_end_their_process_the_next_one_gets_the_runs(folder, caplog, monkeypatch, end):
-    monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
     once = "os.path.exists('ended') or (open('ended', 'w').close(), END); await self.referee('go')"
     monkeypatch.chdir(folder)
 
@@ -99,8 +99,7 @@ def test_after_rules_that_end_their_process_the_next_one_gets_the_runs(folder, c
     assert "The rules of HNF in zone Home end their process with status 3" in caplog.text
 
 
-def test_rules_that_end_their_process_at_import_are_named_and_left_out_until_they_change(folder, caplog, monkeypatch):
-    monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
+def test_rules_that_end_their_process_at_import_are_named_and_left_out_until_they_change(folder, caplog):
     rules = folder / "HNF.py"
     rules.write_text("import os\nos._exit(4)\n")
 
@@ -120,9 +119,7 @@ def test_rules_that_end_their_process_at_import_are_named_and_left_out_until_the
     assert f"The rules in {rules} end their process with status 4 while they are loaded" in caplog.text
 
 
-def test_whoever_ends_the_process_from_outside_blames_no_rules(folder, caplog, monkeypatch):
-    monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
-
+def test_whoever_ends_the_process_from_outside_blames_no_rules(folder, caplog):
     async def play():
         async with Hosted(with_rules(folder, "os.kill(os.getpid(), 9)")) as hosted:
             hosted.process.take([a_run()])
@@ -132,9 +129,7 @@ def test_whoever_ends_the_process_from_outside_blames_no_rules(folder, caplog, m
     assert "The process of the benchmarking modules has ended (-9)" in caplog.text
 
 
-def test_rules_that_crash_again_end_their_run(folder, caplog, monkeypatch):
-    monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
-
+def test_rules_that_crash_again_end_their_run(folder, caplog):
     async def play():
         async with Hosted(with_rules(folder, "import ctypes; ctypes.string_at(0)")) as hosted:
             hosted.process.take([a_run()])
@@ -159,9 +154,7 @@ def test_on_a_full_disk_modules_run_without_traces(folder, monkeypatch, tmp_path
 
 
 @pytest.mark.parametrize("evil", ["while True: pass", HANG])
-def test_rules_that_do_not_answer_are_replaced(folder, caplog, monkeypatch, evil):
-    monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
-
+def test_rules_that_do_not_answer_are_replaced(folder, caplog, evil):
     async def play():
         async with Hosted(with_rules(folder, evil)) as hosted:
             hosted.process.take([a_run()])
@@ -174,8 +167,7 @@ def test_rules_that_do_not_answer_are_replaced(folder, caplog, monkeypatch, evil
     assert "The rules of HNF in zone Home do not answer (HNF.py, line 9, " in caplog.text
 
 
-def test_a_run_whose_rules_hang_again_is_ended_because_others_wait(folder, caplog, monkeypatch):
-    monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
+def test_a_run_whose_rules_hang_again_is_ended_because_others_wait(folder, caplog):
     other = RunForModule("HNF-2", 1, "Hall", "HNF", "B", 1, 1, True)
     hang = HANG.replace("; ", "\n            ")
     evil = f"if self.run.zone == 'Home':\n            {hang}\n        await self.referee('go')"
@@ -211,7 +203,6 @@ def test_a_computer_without_room_for_a_process_is_tried_again(folder, caplog, mo
             raise OSError(errno.EAGAIN, full.pop())
         return opened(*arguments, **named)
     monkeypatch.setattr(modules_process.subprocess, "Popen", popen)
-    monkeypatch.setattr(modules_process, "PAUSE_S", 0.0)
 
     async def play():
         async with Hosted(folder):

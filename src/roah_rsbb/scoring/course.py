@@ -1,0 +1,103 @@
+"""The history of a score sheet as the course of its run, of which the rules make points."""
+
+from decimal import Decimal
+from fractions import Fraction
+from typing import Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
+
+from roah_rsbb.model.records import ItemRecord, ScoreEntry
+from roah_rsbb.model.rules import Measure, Sheet
+from roah_rsbb.model.scoring import INCIDENTS, Key, ScoringItem
+from roah_rsbb.scoring.earlier import key_id
+from roah_rsbb.scoring.tree import Course, Happened, SheetMark, void_marks
+
+NOTHING: Mapping[int, str] = {}
+
+
+class History(NamedTuple):
+    """A course, and the entries of which its marks were made."""
+
+    course: Course
+    numbers: Tuple[int, ...]  # of the entry of each mark; 0: of several
+
+
+def void_entries(sheet: Sheet, rows: Mapping[Key, ScoringItem], entries: Sequence[ScoreEntry]) -> Dict[int, str]:
+    """Return the entries that do not count although nobody withdrew them, by number, and why."""
+    if not sheet.incidents and sheet.limit_s is None:
+        return {}
+    history = course_of(sheet, rows, entries, ())
+    return {history.numbers[index]: why for index, why in void_marks(sheet, history.course).items()}
+
+
+def course_of(
+    sheet: Sheet, rows: Mapping[Key, ScoringItem], entries: Iterable[ScoreEntry], records: Iterable[ItemRecord],
+    void: Mapping[int, str] = NOTHING,
+) -> History:
+    """Return what happened. `records`: the items as they are, for the results of juries; `void`: entries that do not
+    count, if that is known."""
+    marks: List[Tuple[SheetMark, int]] = []
+    incidents: Dict[str, List[Happened]] = {}
+    kinds = {item.id: item for item in sheet.items}
+    standing: Dict[str, Fraction] = {}
+    for entry in entries:
+        row = rows.get((entry.group, entry.desc))
+        if entry.withdrawn_utc or row is None or entry.judge:
+            continue
+        at_s = None if entry.clock_s is None else Fraction(str(entry.clock_s))
+        if row.group == INCIDENTS:
+            _happened(incidents.setdefault(row.desc, []), row.desc, entry, at_s)
+            continue
+        item_id = id_of(row)
+        before = standing.get(item_id, Fraction(0))
+        after = _number(entry, row, before)
+        if entry.number not in void:
+            standing[item_id] = after
+        # What takes something away corrects a mark: it is never too late.
+        in_time = entry.in_time or after <= before
+        marks += [(mark._replace(at_s=at_s, in_time=in_time), entry.number)
+                  for mark in _marks(item_id, kinds[item_id].amount, entry, before, after)]
+    ratings = [(SheetMark(id_of(rows[record.key]), Fraction(record.text), sets=True), 0)
+               for record in records if record.text and record.key in rows
+               and kinds[id_of(rows[record.key])].amount is Measure.RATING]
+    all_marks = [*marks, *ratings]
+    return History(Course(
+        tuple(mark for mark, _ in all_marks), tuple(each for found in incidents.values() for each in found), True),
+        tuple(number for _, number in all_marks))
+
+
+def id_of(row: ScoringItem) -> str:
+    """Return what the rules call a row; those of files before 2026-12 by group and description."""
+    return row.id or key_id(row.key)
+
+
+def _number(entry: ScoreEntry, row: ScoringItem, before: Fraction) -> Fraction:
+    """Return the number that an item has after an entry."""
+    if entry.added:
+        return before + Fraction(entry.added)
+    if entry.not_attempted:
+        return Fraction(0)
+    return Fraction(entry.text) if entry.text and not row.choices else Fraction(entry.value)
+
+
+def _marks(item_id: str, measure: Measure, entry: ScoreEntry, before: Fraction, after: Fraction) -> List[SheetMark]:
+    if measure is Measure.CHOICE:
+        return [SheetMark(item_id, text=entry.text, sets=True)]
+    if measure is not Measure.PERCENT:
+        return [SheetMark(item_id, after - before) if entry.added else SheetMark(item_id, after, sets=True)]
+    # Whole times, and the part of one that is left. More percent than before are another time.
+    if entry.added and after > before:
+        return _times(item_id, after - before)
+    again = _times(item_id, after) or [SheetMark(item_id, Fraction(0))]
+    return [again[0]._replace(sets=True), *again[1:]]
+
+
+def _times(item_id: str, percent: Fraction) -> List[SheetMark]:
+    full, part = divmod(percent, 100)
+    found = [SheetMark(item_id, Fraction(full))] if full else []
+    return found + ([SheetMark(item_id, share=part / 100)] if part else [])
+
+
+def _happened(found: List[Happened], name: str, entry: ScoreEntry, at_s: object) -> None:
+    """Enter how often an incident happened."""
+    number = len(found) + int(Decimal(entry.added)) if entry.added else entry.value
+    del found[max(0, number):]
+    found += [Happened(name, at_s)] * (number - len(found))  # type: ignore[arg-type]
