@@ -3,7 +3,8 @@
 
 # The programs that people start. Launch files start the others; they are completed from their first letters.
 _roah_rsbb_programs="capture check_ground_truth check_robot demo dummy_box dummy_robot dummy_tablet new_competition panel
-  preflight protected_master reconnect referee replay results roah_devices_dummy standby"
+  preflight protected_master reconnect referee replay results roah_devices_dummy rulebook
+  standby"
 
 _roah_rsbb_folder() {  # the folder with the programs
   local prefix folder IFS=:

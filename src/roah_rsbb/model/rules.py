@@ -85,6 +85,7 @@ class Item:
     unless: Tuple[Condition, ...] = ()  # it does not count if one of these is given
     withholds: Tuple[str, ...] = ()  # ids of items that do not count if it is given
     for_team: bool = False  # the team gets its points whichever attempt counts: they are not part of the sheet's
+    total: Number = None  # the most points that it can give, as the rule book states them
     tags: Tuple[str, ...] = ()
 
 

@@ -17,6 +17,8 @@ from roah_rsbb.wording.texts import did_you_mean
 
 DECISIONS = "decisions.yaml"
 DECIDE, NOTHING = "decide", "nothing"
+# Keys whose values name an entry of a sequence.
+_NAMES = ("code", "item", "section", "stage", "test", "name")
 # The files of a folder in which values may be decided.
 _FILES = ("benchmarks.yaml", "standings.yaml")
 _SHAPE = "lines 'name of a choice: reading'"
@@ -28,6 +30,7 @@ class Decided(NamedTuple):
 
     decision: Decision
     place: Place
+    where: Tuple[str, ...]  # the keys above it, and the names of what has them
     values: Tuple[str, ...]  # of the readings, as texts
 
 
@@ -45,6 +48,13 @@ def resolved(report: Report, root: Optional[Node], path: str) -> Tuple[Optional[
     node = found.value(root) or Mapping(root.place, (), whole=True)
     _report_unknown(report, chosen, path, found)
     return node, tuple(found.places)
+
+
+def decided_in(report: Report, path: str) -> Tuple[Decided, ...]:
+    """Return where a file, which may be missing, leaves something to people."""
+    if not is_known(path, path):
+        return ()
+    return resolved(report, read_yaml(path, report, "the rules", "rules"), path)[1]
 
 
 def decisions_in(*found: Iterable[Decided]) -> Tuple[Decision, ...]:
@@ -101,22 +111,22 @@ class _Resolver:
         """Return the names of the choices."""
         return set(self._first)
 
-    def value(self, node: Node) -> Optional[Node]:
-        """Return a node with the chosen values; None: it is left out."""
+    def value(self, node: Node, where: Tuple[str, ...] = ()) -> Optional[Node]:
+        """Return a node with the chosen values; None: it is left out. `where`: what is above it."""
         if isinstance(node, Sequence):
-            items = [self.value(item) for item in node.items]
+            items = [self.value(item, (*where[:-1], *_name(item, where[-1:]))) for item in node.items]
             return Sequence(node.place, tuple(item for item in items if item is not None))
         if not isinstance(node, Mapping):
             return node
         if any(key.text == DECIDE for key, _ in node.pairs):
-            return self._decided(node)
-        pairs = [(key, self.value(value)) for key, value in node.pairs]
+            return self._decided(node, where)
+        pairs = [(key, self.value(value, (*where, key.text))) for key, value in node.pairs]
         return Mapping(node.place, tuple((key, value) for key, value in pairs if value is not None), node.whole)
 
-    def _decided(self, node: Mapping) -> Optional[Node]:
+    def _decided(self, node: Mapping, where: Tuple[str, ...]) -> Optional[Node]:
         name = text(self._report, next(value for key, value in node.pairs if key.text == DECIDE), "name of a choice")
         pairs = [(key, value) for key, value in node.pairs if key.text != DECIDE]
-        values = {key.text: None if _is_nothing(value) else self.value(value) for key, value in pairs}
+        values = {key.text: None if _is_nothing(value) else self.value(value, where) for key, value in pairs}
         if name is None or not node.whole:
             return Unusable(node.place)
         if len(pairs) < 2:
@@ -130,7 +140,8 @@ class _Resolver:
                 f"those of line {first.place.line} in their order: {', '.join(map(quote, first.decision.readings))}")
             return Unusable(node.place)
         chosen = self._reading(name, readings)
-        decided = Decided(Decision(name, readings, chosen), node.place, tuple(_shown(value) for _, value in pairs))
+        decided = Decided(Decision(name, readings, chosen), node.place, where,
+                          tuple(_shown(value) for _, value in pairs))
         self._first.setdefault(name, decided)
         self.places.append(decided)
         return values[chosen]
@@ -148,6 +159,13 @@ class _Resolver:
                                "one of its readings" + did_you_mean(word, readings))
         self._refused.add(name)
         return readings[0]
+
+
+def _name(entry: Node, key: Tuple[str, ...]) -> Tuple[str, ...]:
+    """Return the name of an entry of a sequence, or else the key of the sequence."""
+    pairs = entry.pairs if isinstance(entry, Mapping) else ()
+    found = {each.text: value.text for each, value in pairs if isinstance(value, Scalar)}
+    return next(((found[name],) for name in _NAMES if name in found), key)
 
 
 def _is_nothing(node: Node) -> bool:

@@ -55,6 +55,7 @@ class ConfigErrors(Exception):
     """
 
     def __init__(self, errors: List[ConfigError]) -> None:
+        errors = list(dict.fromkeys(errors))  # two files may use a third one
         lines = [str(error) for error in errors]
         if len(errors) >= MAX_ERRORS:
             lines.append(f"... and perhaps more: reading ended at {MAX_ERRORS} errors")

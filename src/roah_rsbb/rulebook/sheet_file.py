@@ -21,7 +21,7 @@ _MAX_SECONDS = 86400
 
 _ROWS = "rows '- {item: ..., points: 10}' or '- section: ...'"
 _OF_BOTH = {"id": "1", "min": "0", "max": "100", "items": "[...]", "needs": "Opens the door", "unless": "Gives up",
-            "withholds": "[Takes the cup]", "tags": "[manipulation]", "for_team": "yes"}
+            "withholds": "[Takes the cup]", "tags": "[manipulation]", "for_team": "yes", "total": "1490"}
 _SECTION = {"section": "Main goal"}
 _ITEM = {"item": "Opens the door"}
 _ITEM_OPTIONAL = {
@@ -226,6 +226,7 @@ class _Rows:
         amount = Measure.SECTION if is_section else self._amount(got)
         item = Item(row_id or name, name, "" if above is None else above.id, amount or Measure.COUNT,
                     for_team=_yes(report, got, "for_team"),
+                    total=exact(report, got.get("total"), "total", -MAX_NUMBER, MAX_NUMBER),
                     tags=tuple(filter(None, [text(report, tag, "a tag") for tag in
                                              _words(report, got.get("tags"), "tags")])))
         least, most = ends(report, got, quote(name))

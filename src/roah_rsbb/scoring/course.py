@@ -2,7 +2,7 @@
 
 from decimal import Decimal
 from fractions import Fraction
-from typing import Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.model.records import ItemRecord, ScoreEntry
 from roah_rsbb.model.rules import Measure, Sheet
@@ -38,11 +38,11 @@ def course_of(
     incidents: Dict[str, List[Happened]] = {}
     kinds = {item.id: item for item in sheet.items}
     standing: Dict[str, Fraction] = {}
-    for entry in entries:
+    entries = tuple(entries)
+    for entry, at_s in zip(entries, _moments(entries)):
         row = rows.get((entry.group, entry.desc))
         if entry.withdrawn_utc or row is None or entry.judge:
             continue
-        at_s = None if entry.clock_s is None else Fraction(str(entry.clock_s))
         if row.group == INCIDENTS:
             _happened(incidents.setdefault(row.desc, []), row.desc, entry, at_s)
             continue
@@ -62,6 +62,16 @@ def course_of(
     return History(Course(
         tuple(mark for mark, _ in all_marks), tuple(each for found in incidents.values() for each in found), True),
         tuple(number for _, number in all_marks))
+
+
+def _moments(entries: Sequence[ScoreEntry]) -> List[Optional[Fraction]]:
+    """Return when entries were made. One without a time has that of the one before it, unless no entry has one: an
+    earlier version began the run."""
+    found: List[Optional[Fraction]] = []
+    for entry in entries:
+        before = found[-1] if found else Fraction(0)
+        found.append(before if entry.clock_s is None else Fraction(str(entry.clock_s)))
+    return [None] * len(found) if all(entry.clock_s is None for entry in entries) else found
 
 
 def id_of(row: ScoringItem) -> str:

@@ -10,6 +10,7 @@ from typing import List, Optional
 COMMANDS = {
     "demo": ("box", "box.program.demo", "a demonstration: a box with dummy robots, on this computer alone"),
     "new": ("box", "tools.competition.program", "create or check the folder of a competition"),
+    "rulebook": ("box", "tools.competition.rules", "show and check the rules of a competition"),
     "preflight": ("box", "tools.preflight", "check the set-up before a competition"),
     "run": ("box", "box.program.main", "the box of a competition"),
     "referee": ("box", "referee.program", "the referee in a terminal"),

@@ -16,6 +16,7 @@ from roah_rsbb.model.records import By, ItemRecord, RunRecord
 from roah_rsbb.model.rules import ItemChoice, JuryResult
 from roah_rsbb.model.scoring import GroupLimits, ScoreKind, ScoringItem, SheetForm, SheetRules, TimeLeft
 from roah_rsbb.scoring.book import FinishedRun, RunBook
+from roah_rsbb.scoring.earlier import sheet_of
 from roah_rsbb.scoring.points import counted, jury_text, number_of, text_of, whole_part
 from roah_rsbb.scoring.sheet import Mark, ScoreSheet
 from roah_rsbb.scoring.tree import Course
@@ -347,6 +348,14 @@ def test_a_correction_counts_by_the_rules_of_the_run(book):
     assert run.record.points.total == "60"
     with pytest.raises(Refused, match="from 0 to 5"):
         run.mark(book.now, "Anna", Mark(*OBJECTS.key, 6))
+
+
+def test_a_run_that_an_earlier_version_began_keeps_the_order_of_its_entries():
+    form = SheetForm((ScoringItem("g", "a", ScoreKind.UINT, Decimal(10)),))
+    sheet = ScoreSheet(form.items, rules=sheet_of(form))
+    for moment, value, clock_s in ((1.0, 3, None), (10.0, 1, 5.0), (20.0, 2, None)):
+        sheet.set(Now(moment, moment), "Anna", Mark("g", "a", value), clock_s=clock_s)
+        assert counted(form, sheet.items(), sheet.course(0.0, "")).points.total == str(10 * value)
 
 
 def test_a_sheet_of_an_old_journal_has_no_points():

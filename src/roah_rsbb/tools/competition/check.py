@@ -66,18 +66,19 @@ def check(directory: str) -> Checked:
         _check_teams(report, paths[2], loaded)
         _check_standby(report, os.path.join(directory, files.LAUNCH), loaded)
         errors += _check_modules(report, directory, loaded)
-    return Checked(errors, report.warnings, "" if loaded is None else _summary(loaded))
+    return Checked(list(dict.fromkeys(errors)), report.warnings, "" if loaded is None else _summary(loaded))
 
 
 def _summary(loaded: Config) -> str:
     events = _events(loaded)
     teams = {event.team for _, event in events if event.team != ALL_TEAMS}
     codes = {event.benchmark.code for _, event in events}
-    return (f"{_count(len(teams), 'team')}, {_count(len(loaded.zones), 'zone')}, "
-            f"{_count(len(codes), 'benchmark')}, {_count(len(events), 'run')}")
+    return (f"{counted(len(teams), 'team')}, {counted(len(loaded.zones), 'zone')}, "
+            f"{counted(len(codes), 'benchmark')}, {counted(len(events), 'run')}")
 
 
-def _count(number: int, what: str) -> str:
+def counted(number: int, what: str) -> str:
+    """A number of things."""
     return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 

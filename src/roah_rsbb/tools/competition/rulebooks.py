@@ -65,6 +65,11 @@ def names(config_dir: str) -> List[str]:
         return []
 
 
+def folder_of(config_dir: str, name: str) -> str:
+    """The folder of an included rulebook, or the one of this path."""
+    return os.path.join(config_dir, FOLDER, name) if name in names(config_dir) else name
+
+
 def read_rulebook(report: Report, config_dir: str, name: Optional[str] = None) -> Rulebook:
     """Read an included rulebook by its name, or the one in a folder; without `name`, the included files.
 
@@ -72,8 +77,7 @@ def read_rulebook(report: Report, config_dir: str, name: Optional[str] = None) -
     """
     folder = config_dir
     if name is not None:
-        known = names(config_dir)
-        folder = os.path.join(config_dir, FOLDER, name) if name in known else name
+        folder, known = folder_of(config_dir, name), names(config_dir)
         if not os.path.isdir(folder):
             report.error(Place("--rulebook", 0, 0), f"no rulebook {quote(name)}",
                          f"{listing(known)}, or the path of a folder{did_you_mean(name, known)}")

@@ -1,0 +1,81 @@
+"""`rulebook`: what rules leave to people, and what is wrong with them."""
+
+import pytest
+
+from roah_rsbb.tools.competition import rules
+
+BENCHMARKS = """\
+- name: Test 1
+  desc: Fetch
+  code: Fetch
+  kind: task
+  timeout: 300
+  sheet:
+    - section: Goals
+      items:
+        - { item: Takes the cup, points: 50, times: { decide: Cups, one: 1, many: 3 } }
+        - { item: Says hello, points: 10, needs: { item: Takes the cup, least: 2 } }
+  incidents:
+    restart: { below: { decide: Limit of a restart, general: 40, none: nothing }, voids: earlier }
+"""
+STANDINGS = "stages: [ { name: All, of: [ { test: Fetch, weight: { decide: Cups, one: 1, many: 2 } } ] } ]\n"
+
+
+@pytest.fixture
+def run(tmp_path, capsys):
+    (tmp_path / "benchmarks.yaml").write_text(BENCHMARKS, "utf-8")
+    (tmp_path / "standings.yaml").write_text(STANDINGS, "utf-8")
+
+    def program(*words, **files):
+        for name, text in files.items():
+            (tmp_path / f"{name}.yaml").write_text(text, "utf-8")
+        with pytest.raises(SystemExit) as end:
+            rules.main([*words, str(tmp_path)])
+        out, err = capsys.readouterr()
+        return end.value.code, out, err.replace(str(tmp_path), "FOLDER")
+
+    return program
+
+
+def test_what_rules_leave_to_people(run):
+    assert run("decisions", decisions="Cups: many\n")[:2] == (0, """\
+Cups: 'many'; the default is 'one'
+  Fetch, Goals, Takes the cup, times (benchmarks.yaml:9)
+      one: 1
+    * many: 3
+  All, Fetch, weight (standings.yaml:1)
+      one: 1
+    * many: 2
+Limit of a restart: 'general'
+  Fetch, incidents, restart, below (benchmarks.yaml:12)
+    * general: 40
+      none: nothing
+""")
+
+
+def test_rules_that_leave_nothing_to_people(run):
+    assert run("decisions", benchmarks=BENCHMARKS.split("  sheet:")[0], standings="{}")[1] == (
+        "The rules leave nothing to people.\n")
+
+
+def test_a_check(run):
+    status, out, _ = run("check")
+    assert (status, out.splitlines()) == (1, [
+        "Fetch: 'Says hello' never counts: it needs 'Takes the cup' ≥ 2, which is at most 1",
+        "1 benchmark, 3 rows: 1 found"])
+    status, out, _ = run("check", decisions="Cups: many\n")
+    assert (status, out) == (0, "1 benchmark, 3 rows: nothing found\n")
+
+
+@pytest.mark.parametrize("command", ["decisions", "check"])
+def test_wrong_rules(run, command):
+    status, out, err = run(command, decisions="Cup: many\n")
+    assert (status, out) == (1, "")
+    assert err.splitlines()[1:] == ["FOLDER/decisions.yaml:1: found the unknown choice 'Cup'; expected a choice of the "
+                                    "rules: did you mean 'Cups'?"]
+
+
+def test_an_included_rulebook(capsys):
+    with pytest.raises(SystemExit) as end:
+        rules.main(["check", "athome"])
+    assert (end.value.code, capsys.readouterr().out) == (0, "8 benchmarks, 67 rows: nothing found\n")
