@@ -117,9 +117,9 @@ class Incident:
     voids: Voids = Voids.NOTHING
     marks: str = ""  # id of the item that it marks
     scored_after: bool = False  # it marks the item only if points were scored afterwards
-    ends: str = ""  # the incident that ends it: until then earlier marks are void, or the clock is paused
+    ends: Tuple[str, ...] = ()  # incidents that end it: until then earlier marks are void, or the clock is paused
     pauses: bool = False  # the counted clock is paused until the incident `ends`
-    of: str = ""  # it also comes by itself, `after` seconds after this incident, unless the one that `ends` it comes
+    of: str = ""  # it also comes by itself, `after` seconds after this incident, unless one that `ends` it comes
     after: Number = None  # seconds
     longer_by: str = ""  # the incident that extends this time, by its fact `seconds`
     longer: Number = None  # seconds that one extension may have at most

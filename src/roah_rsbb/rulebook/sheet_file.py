@@ -449,7 +449,7 @@ class _Incidents:
         found: Dict[str, Incident] = {}
         for incident in self._found.values():
             found[incident.name] = incident
-            for other in (incident.ends, incident.longer_by):
+            for other in (*incident.ends, incident.longer_by):
                 if other and other not in self._found:
                     found.setdefault(other, Incident(other))
         return tuple(found.values())
@@ -462,7 +462,7 @@ class _Incidents:
             return
         numbers = {each: exact(report, got.get(each), each, 0, MAX_NUMBER) for each in ("below", "after", "longer")}
         voids = choice(report, got.get("voids"), "voids", tuple(_VOIDS), "which marks become void")
-        words = {each: text(report, got.get(each), each) or "" for each in ("until", "of", "longer_by")}
+        words = {each: text(report, got.get(each), each) or "" for each in ("of", "longer_by")}
         self._found[name] = Incident(
             name,
             times=integer(report, got.get("times"), "times", 1, MAX_VALUE),
@@ -471,7 +471,7 @@ class _Incidents:
             voids=Voids.NOTHING if voids is None else _VOIDS[voids],
             marks=(self._tree.named(got["marks"], "marks") or "") if "marks" in got else "",
             scored_after=_yes(report, got, "scored_after"),
-            ends=words["until"], pauses=_yes(report, got, "pauses"),
+            ends=self._texts(got, "until"), pauses=_yes(report, got, "pauses"),
             of=words["of"], after=numbers["after"],
             longer_by=words["longer_by"], longer=numbers["longer"],
             requests=integer(report, got.get("requests"), "requests", 1, MAX_VALUE),
@@ -483,6 +483,9 @@ class _Incidents:
                              f"something like '{other}: {_INCIDENT[other]}'")
         if "of" in got:
             self._places[name] = got["of"]
+
+    def _texts(self, got: Dict[str, Node], key: str) -> Tuple[str, ...]:
+        return tuple(filter(None, [text(self._report, node, key) for node in _words(self._report, got.get(key), key)]))
 
     def _facts(self, got: Dict[str, Node], key: str) -> Tuple[Condition, ...]:
         found = [self._fact(node, key) for node in _words(self._report, got.get(key), key)]

@@ -59,6 +59,7 @@ class Happened(NamedTuple):
     incident: str
     at_s: Optional[Fraction] = None
     facts: Mapping[str, object] = {}
+    since: Optional[Fraction] = None  # it comes by itself, unless something has ended what began then
 
 
 class Course(NamedTuple):
@@ -113,7 +114,7 @@ class _Run:
         self.decided: Dict[str, Tuple[int, str]] = {}  # item that incidents mark -> how often, and with which choice
         self.replaces = False
         self._marks = [mark._replace(at_s=self._counted(mark.at_s)) for mark in course.marks]
-        self._held: Dict[str, int] = {}  # incident -> how often it had an effect
+        self._held: Dict[str, List[Optional[Fraction]]] = {}  # incident -> when it had an effect
         # Facts about incidents that are on the sheet.
         self._facts: Dict[str, object] = {mark.item: mark.text or mark.number for mark in course.marks}
         self._void: Dict[int, str] = {}
@@ -123,8 +124,8 @@ class _Run:
         """Return what was decided, in words, and the marks that do not count."""
         self._drop_late()
         for happened in sorted([*self.course.incidents, *self._by_themselves()], key=_when):
-            rule = self.rules.get(happened.incident)
-            if rule is not None:
+            rule = self.rules.get(happened.incident, Incident(happened.incident))
+            if not self._is_over(rule, happened):
                 self._take(rule, happened)
         return self._steps, self._void
 
@@ -153,20 +154,22 @@ class _Run:
         """Return the counted time of a wall time: without the pauses before it."""
         if wall_s is None or self.course.clock_counts:
             return wall_s
-        paused = ZERO
-        for start in self.course.incidents:
+        paused = done = ZERO
+        for start in sorted(self.course.incidents, key=_when):
             rule = self.rules.get(start.incident)
             if rule is not None and rule.pauses and start.at_s is not None and start.at_s < wall_s:
-                paused += min(wall_s, self._end_of(rule, start) or wall_s) - start.at_s
+                end = min(wall_s, self._end_of(rule, start) or wall_s)
+                paused += max(ZERO, end - max(start.at_s, done))
+                done = max(done, end)
         return wall_s - paused
 
     def _end_of(self, rule: Incident, start: Happened) -> Optional[Fraction]:
         """Return when an incident was ended; None: it was not."""
-        return min((each.at_s for each in self.course.incidents if each.incident == rule.ends and rule.ends
+        return min((each.at_s for each in self.course.incidents if each.incident in rule.ends
                     and each.at_s is not None and start.at_s is not None and each.at_s >= start.at_s), default=None)
 
     def _by_themselves(self) -> List[Happened]:
-        """Return the incidents that follow from others because a time was over."""
+        """Return the incidents that follow from others because a time is over, unless something ends these before."""
         found = []
         for rule in self.sheet.incidents:
             for start in self.course.incidents if rule.of else ():
@@ -176,9 +179,7 @@ class _Run:
                 for longer in self._extensions(rule):
                     if longer.at_s is not None and longer.at_s <= due:
                         due = max(due, longer.at_s + self._seconds(rule, longer))
-                end = self._end_of(rule, start)
-                if end is None or end > due:
-                    found.append(Happened(rule.name, due))
+                found.append(Happened(rule.name, due, since=start.at_s))
         return found
 
     def _extensions(self, rule: Incident) -> List[Happened]:
@@ -189,12 +190,18 @@ class _Run:
         asked = Fraction(str(longer.facts.get("seconds") or 0))
         return asked if rule.longer is None else min(asked, Fraction(rule.longer))
 
+    def _is_over(self, rule: Incident, happened: Happened) -> bool:
+        """Whether what would lead to an incident by itself was ended before, or the incident came before."""
+        since = happened.since
+        return since is not None and any(at_s is not None and at_s >= since for name in (*rule.ends, rule.name)
+                   for at_s in self._held.get(name, ()))
+
     # -- one incident -------------------------------------------------------------------------------
 
     def _take(self, rule: Incident, happened: Happened) -> None:
         """Apply what follows from an incident, or say why nothing does."""
         counted_s = self._counted(happened.at_s)
-        if rule.of and happened not in self.course.incidents:
+        if happened.since is not None:
             self._steps.append(BY_ITSELF(incident=rule.name, time=_clock(counted_s or ZERO)))
         if rule.marks:
             self.decided.setdefault(rule.marks, (0, ""))
@@ -202,7 +209,7 @@ class _Run:
         if why:
             self._steps.append(why)
             return
-        self._held[rule.name] = self._held.get(rule.name, 0) + 1
+        self._held.setdefault(rule.name, []).append(happened.at_s)
         until = self._counted(self._end_of(rule, happened)) if rule.ends else None
         for index, mark in enumerate(self._marks):
             if self._is_hit(rule, mark, counted_s, until):
@@ -216,7 +223,7 @@ class _Run:
 
     def _why_not(self, rule: Incident, happened: Happened, at_s: Optional[Fraction]) -> str:
         """Return why an incident has no effect; empty: it has."""
-        held = self._held.get(rule.name, 0)
+        held = len(self._held.get(rule.name, ()))
         if rule.times is not None and held >= rule.times:
             return TOO_OFTEN(incident=rule.name, time=_at(at_s), number=held + 1, times=rule.times)
         facts = {**self._facts, **happened.facts}
@@ -233,7 +240,8 @@ class _Run:
 
     def _so_far(self, at_s: Optional[Fraction], net: bool) -> Fraction:
         """Return the points until a time: without penalties, unless they count."""
-        marks = [mark for index, mark in enumerate(self._marks) if index not in self._void and (net or mark.number > 0)
+        marks = [mark for index, mark in enumerate(self._marks) if index not in self._void
+                 and (net or _worth(self._item(mark.item), mark) >= 0 or _is_penalty(self._item(mark.item)))
                  and (at_s is None or (mark.at_s is not None and mark.at_s <= at_s))]
         sheet = self.sheet if net else replace(self.sheet, items=tuple(map(_without_penalty, self.sheet.items)))
         return _Tree(sheet, marks, {}, self.course).total()
@@ -246,7 +254,7 @@ class _Run:
             return False
         if rule.voids is Voids.LATER:
             return mark.at_s > at_s
-        if rule.voids is Voids.EARLIER_POINTS and _is_penalty(self._item(mark.item)):
+        if rule.voids is Voids.EARLIER_POINTS and _worth(self._item(mark.item), mark) < 0:
             return False
         return rule.voids in (Voids.EARLIER, Voids.EARLIER_POINTS) and mark.at_s <= max(at_s, until or at_s)
 
@@ -257,7 +265,7 @@ class _Run:
         """Whether points were scored after a time."""
         return at_s is not None and any(
             (mark.at_s is None or mark.at_s > at_s) and index not in self._void
-            and not _is_penalty(self._item(mark.item)) for index, mark in enumerate(self._marks))
+            and _worth(self._item(mark.item), mark) > 0 for index, mark in enumerate(self._marks))
 
 
 def _when(each: object) -> Tuple[bool, Fraction]:
@@ -282,6 +290,13 @@ def _holds(fact: Condition, facts: Mapping[str, object]) -> bool:
     if value is None or fact.least is None:
         return bool(value)
     return not isinstance(value, str) and Fraction(str(value)) >= Fraction(fact.least)
+
+
+def _worth(item: Item, mark: SheetMark) -> Fraction:
+    """Return what a mark is worth alone: less than 0 is a penalty."""
+    if item.amount is Measure.CHOICE:
+        return Fraction(next((choice.points or 0 for choice in item.choices if choice.name == mark.text), 0))
+    return Fraction((item.points if item.percent is None else item.percent) or 0) * mark.number * mark.share
 
 
 def _is_penalty(item: Item) -> bool:

@@ -95,10 +95,10 @@ def test_referees_mark_its_items_and_incidents():
 
 def test_incidents():
     assert _read(TEXT).incidents == (
-        Incident("restart", times=1, below=Decimal(40), voids=Voids.EARLIER, ends="restarted"),
+        Incident("restart", times=1, below=Decimal(40), voids=Voids.EARLIER, ends=("restarted",)),
         Incident("restarted"),
         Incident("inactive"),
-        Incident("removed", of="inactive", after=Decimal(30), ends="active again", longer_by="longer time",
+        Incident("removed", of="inactive", after=Decimal(30), ends=("active again",), longer_by="longer time",
                  longer=Decimal(180), requests=1, voids=Voids.LATER),
         Incident("active again"),
         Incident("longer time"),
