@@ -124,36 +124,24 @@ def _stop(call: Call) -> Exit:
     terminal.note("beside the value"), BY, OF_RUN,
 )
 def _score(call: Call) -> Exit:
-    link, options, output = call
-    if options.item is not None and options.value is None:
-        raise BadWord(f"the value of '{options.item}' is missing: give it after the item")
-    with_words = options.note or options.referee or options.run is not None
-    if options.item is not None and (with_words or options.value.lower() in NOT_ATTEMPTED):
-        return _score_with_words(call)
-    if options.run is not None:
-        return sheets.show_sheet(call)
-    zone = call.zone
-    if zone.phase == IDLE:
-        raise Refused(["No run is connected: the score sheet starts with connect"])
+    options, output = call.options, call.output
     if options.item is None:
+        if options.run is not None:
+            return sheets.show_sheet(call)
+        zone = call.zone
+        if zone.phase == IDLE:
+            raise Refused(["No run is connected: the score sheet starts with connect"])
         return output.show({"zone": zone.zone, "event": event_json(zone), "score": items_json(zone.items)},
                            view.score_sheet(zone, output.style))
-    number = pick_item(options.item, zone.items)
-    item = zone.items[number - 1]
-    link.mark(zone.zone, zone.identity, item, _entered(call, zone.identity, item))
-    link.settle()
-    return _show_item(call, number, call.zone.items[number - 1])
-
-
-def _score_with_words(call: Call) -> Exit:
-    """Set an item: with a note, as not attempted, or of a run that is over."""
-    zone, run = sheets.which(call)
-    identity, items = run or call.zone.identity, call.link.run_sheet(zone, run).items
-    number = pick_item(call.options.item, items)
-    item = items[number - 1]
-    entered = _entered(call, identity, item)._replace(note=call.options.note)
-    call.link.mark(zone, identity, item, entered, call.options.referee)
-    return _show_item(call, number, call.link.run_sheet(zone, run).items[number - 1])
+    if options.value is None:
+        raise BadWord(f"the value of '{options.item}' is missing: give it after the item")
+    zone_name, run = sheets.which(call)
+    identity, items = run or call.zone.identity, call.link.run_sheet(zone_name, run).items
+    number = pick_item(options.item, items)
+    entered = _entered(call, identity, items[number - 1])._replace(note=options.note)
+    call.link.mark(zone_name, identity, items[number - 1], entered, options.referee)
+    item = call.link.run_sheet(zone_name, run).items[number - 1]
+    return call.done([view.item_line(item)], zone=zone_name, **item_json(number, item))
 
 
 def _entered(call: Call, identity: str, item: SheetItem) -> Entered:
@@ -163,10 +151,6 @@ def _entered(call: Call, identity: str, item: SheetItem) -> Entered:
     if typed.lower() in NOT_ATTEMPTED:
         return Entered(not_attempted=True)
     return (sheets.settled_value if judged is not None and judged.count else value_of)(typed, item)
-
-
-def _show_item(call: Call, number: int, item: SheetItem) -> Exit:
-    return call.done([view.item_line(item)], zone=call.zone_name, **item_json(number, item))
 
 
 @_OF_ZONE.add(
