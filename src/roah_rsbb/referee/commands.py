@@ -5,6 +5,7 @@ import contextlib
 import time
 from typing import Any, Dict
 
+from roah_rsbb.ground.arguments import number, read_by
 from roah_rsbb.model.actions import ACTIONS, AGAIN, confirmed_by
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.scoring import Entered
@@ -39,7 +40,7 @@ from roah_rsbb.referee.words import (
 from roah_rsbb.wording.texts import escaped
 
 WATCH_STEP_S = 1.0
-WAIT_S = 60.0
+WAIT_S, MAX_WAIT_S = 60.0, 86400.0
 
 _OF_BOX, _OF_ZONE = Commands(), Commands()
 
@@ -179,15 +180,13 @@ def _done(call: Call) -> Exit:
      "'Home A' --score door=yes --score 'moved furniture=2' --keep",
      "'Home A' --event HNF --operations typed", "'Home A' --team Beta --robot b2"],
     ZONE,
-    argument("--wait", metavar="SECONDS", type=terminal.seconds, default=WAIT_S,
+    argument("--wait", metavar="SECONDS", type=number(0.0, MAX_WAIT_S), default=WAIT_S,
              help="how long to wait for the box, then for connect and for start to be possible (default %(default)g)"),
-    argument("--event", "--benchmark", metavar="CODE[/ROUND[/RUN]]",
-             type=terminal.of_form("CODE, CODE/ROUND or CODE/ROUND/RUN", event_wanted),
+    argument("--event", "--benchmark", metavar="CODE[/ROUND[/RUN]]", type=read_by(event_wanted),
              help="move the zone to this event first: the next matching one, else the last matching one before"),
     terminal.text("--team", "as --event: move the zone to an event of this team", metavar="TEAM"),
     terminal.text("--robot", "connect this robot of the team; default: the box chooses one", metavar="NAME"),
-    argument("--score", metavar="ITEM=VALUE", action="append", default=[],
-             type=terminal.of_form("ITEM=VALUE", score_wanted),
+    argument("--score", metavar="ITEM=VALUE", action="append", default=[], type=read_by(score_wanted),
              help="set a scoring item after the start; may be repeated"),
     BY, switch("--again", str(AGAIN.label)), switch("--keep", "stay connected at the end"),
     argument("--operations", choices=[who.value for who in Operations], default=Operations.OTHERS.value,

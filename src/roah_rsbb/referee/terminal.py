@@ -4,7 +4,6 @@ import argparse
 import contextlib
 import functools
 import json
-import math
 import os
 import re
 import shutil
@@ -24,7 +23,6 @@ from typing import (
     Optional,
     Sequence,
     Tuple,
-    TypeVar,
 )
 
 from roah_rsbb.ground.arguments import Parser, called, read_by
@@ -43,8 +41,6 @@ from roah_rsbb.wording.times import Moments
 
 if TYPE_CHECKING:
     from roah_rsbb.referee.link import Link
-
-T = TypeVar("T")
 
 PROG = called("referee")
 
@@ -418,21 +414,3 @@ def counted(word: str) -> int:
     if not word.isdecimal() or not 1 <= int(word) < 2**32:
         raise argparse.ArgumentTypeError(f"'{word}' is not a number of 1 or more")
     return int(word)
-
-
-def of_form(form: str, read: Callable[[str], T]) -> Callable[[str], T]:
-    """A type for argparse whose error names the expected form."""
-    def convert(word: str) -> T:
-        try:
-            return read(word)
-        except ValueError:
-            raise argparse.ArgumentTypeError(f"'{word}' does not have the form {form}") from None
-    return convert
-
-
-def seconds(word: str) -> float:
-    """A type for argparse: a number of seconds."""
-    found = float(word)
-    if not math.isfinite(found) or found < 0:
-        raise argparse.ArgumentTypeError(f"'{word}' is not a number of seconds")
-    return found

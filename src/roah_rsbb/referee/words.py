@@ -1,5 +1,6 @@
 """Words that a referee types: names of zones, scoring items, values, events of the schedule."""
 
+import re
 import shlex
 from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple
 
@@ -249,20 +250,21 @@ def expected(field: Field) -> str:
 
 
 def event_wanted(text: str) -> EventWanted:
-    """Parse `CODE`, `CODE/ROUND` or `CODE/ROUND/RUN`; raises ValueError."""
-    code, *numbers = text.split("/")
-    if not code or len(numbers) > 2:
-        raise ValueError(text)
-    return EventWanted(code, *(int(number) for number in numbers))
+    """Parse the name of an event; raises ValueError with its form."""
+    found = re.fullmatch(r"([^/]+)(?:/(\d+))?(?:/(\d+))?", text)
+    if found is None:
+        raise ValueError(f"'{text}' does not have the form CODE, CODE/ROUND or CODE/ROUND/RUN")
+    code, *numbers = found.groups()
+    return EventWanted(code, *(number and int(number) for number in numbers))
 
 
 def score_wanted(text: str) -> Tuple[str, str]:
-    """Split `ITEM=VALUE`, also `ITEM==VALUE`; raises ValueError if one of them is missing."""
+    """Split `ITEM=VALUE`, also `ITEM==VALUE`; raises ValueError with that form if one of them is missing."""
     item, equals, value = text.rpartition("=")
     if item.endswith("="):
         item, value = item[:-1], f"={value}"
     if not equals or not item.strip() or not value.strip():
-        raise ValueError(text)
+        raise ValueError(f"'{text}' does not have the form ITEM=VALUE")
     return item.strip(), value.strip()
 
 

@@ -91,8 +91,8 @@ def test_a_run_takes_all_its_options():
 @pytest.mark.parametrize("line, hint", [
     (["run", "A", "--score", "door"], "ITEM=VALUE"),
     (["run", "A", "--event", "HWV/x"], "CODE/ROUND"),
-    (["run", "A", "--wait", "-1"], "seconds"),
-    (["run", "A", "--wait", "nan"], "seconds"),
+    (["run", "A", "--wait", "-1"], "is not a number from 0"),
+    (["run", "A", "--wait", "nan"], "is not a number from 0"),
     (["run", "A", "--wait", "soon"], "soon"),
     (["run"], "ZONE"),
     (["schedule", "--show", "some"], "to-come"),
