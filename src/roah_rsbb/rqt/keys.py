@@ -35,6 +35,7 @@ from roah_rsbb.rqt.qt import (
     QWidget,
 )
 from roah_rsbb.rqt.stops import NONE_RUNS, Stops, stoppable
+from roah_rsbb.wording.device import SHARED_KEYS
 from roah_rsbb.wording.language import tr, tr_later
 
 # The second press must come within this time, seconds.
@@ -93,10 +94,7 @@ class StopPrompt(QLabel):
 # docs/referee.md has the same table.
 KEYS = (
     (tr_later("F5 twice"), tr_later("start the benchmark of the zone")),
-    (tr_later("Esc twice"), tr_later("stop the run of the zone, wherever the focus is")),
-    (tr_later("Shift+Esc twice"), tr_later("stop the runs of all zones")),
-    (tr_later("1 to 9"), tr_later("score the item with this number: count one more, or yes")),
-    (tr_later("Shift+1 to 9"), tr_later("take it back: count one less, or no")),
+    *SHARED_KEYS,
     (tr_later("Tab, Shift+Tab"), tr_later("go to the next or previous control; a frame shows where you are")),
     (tr_later("Space"), tr_later("press the button in the frame")),
     (tr_later("Ctrl+F, F3, Shift+F3"), tr_later("in a log: search, next, previous")),

@@ -34,14 +34,14 @@ NO_SUCH_DISPLAY = tr_later("This display is not connected")
 TOO_MANY_DISPLAYS = tr_later("Too many displays are set: take some back first")
 SETTING_NOT_SAVED = tr_later("The setting cannot be saved ({error}): free or repair the disk of log_dir")
 
-# Keys of the referee's page.
-KEYS = (
+# Keys of the window and the referee's page, and of the page.
+SHARED_KEYS = (
     (tr_later("Esc twice"), tr_later("stop the run of the zone, wherever the focus is")),
     (tr_later("Shift+Esc twice"), tr_later("stop the runs of all zones")),
     (tr_later("1 to 9"), tr_later("score the item with this number: count one more, or yes")),
     (tr_later("Shift+1 to 9"), tr_later("take it back: count one less, or no")),
-    ("?", tr_later("open or close this list")),
 )
+KEYS = (*SHARED_KEYS, ("?", tr_later("open or close this list")))
 
 
 def role_text(role: str, zone: str) -> str:
