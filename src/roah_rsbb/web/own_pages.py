@@ -21,8 +21,9 @@ from roah_rsbb.wording.device import encryption_text, role_text
 from roah_rsbb.wording.language import tr, tr_said
 from roah_rsbb.wording.times import Moments
 
+COOKIE = "roah_rsbb_session"
 # Browsers take a cookie with this prefix from encrypted pages only.
-COOKIE, ENCRYPTED_COOKIE = "roah_rsbb_session", "__Host-roah_rsbb_session"
+ENCRYPTED = "__Host-"
 
 
 def is_own_origin(origin: str, protocol: str, host: str) -> bool:
@@ -46,7 +47,7 @@ class OfDevice(Guarded):
 
     def session(self) -> Optional[DeviceSession]:
         """Return the session of the device; None: it is not paired."""
-        token = self.get_cookie(self.cookie)
+        token = self.get_cookie(self.cookie(COOKIE))
         session = None if not token else self._server.sessions.of(self._server.utc(), token, self.is_encrypted)
         if session is not None:
             self._server.know(getattr(self.request.connection, "stream", None), self.request.remote_ip or "")
@@ -57,10 +58,14 @@ class OfDevice(Guarded):
         """Whether the request came with TLS."""
         return self.request.protocol == "https"
 
-    @property
-    def cookie(self) -> str:
-        """The name of the session's cookie."""
-        return ENCRYPTED_COOKIE if self.is_encrypted else COOKIE
+    def cookie(self, name: str) -> str:
+        """Return the name that a cookie has on this connection."""
+        return f"{ENCRYPTED}{name}" if self.is_encrypted else name
+
+    def give_cookie(self, name: str, token: str) -> None:
+        """Let the browser keep a token, which no script reads."""
+        self.set_cookie(self.cookie(name), token, path="/", max_age=int(SESSION_VALID_S), httponly=True,
+                        samesite="Strict", secure=self.is_encrypted)
 
     def needed_session(self) -> DeviceSession:
         """Return the session of the device; refuses the request of one that is not paired."""
@@ -163,8 +168,7 @@ class PairHandler(FromOwnPage):
             return
         if before is not None:
             server.revoke(before.id)
-        self.set_cookie(self.cookie, token, path="/", max_age=int(SESSION_VALID_S), httponly=True, samesite="Strict",
-                        secure=self.is_encrypted)
+        self.give_cookie(COOKIE, token)
         self.finish(described(session))
 
 
@@ -183,7 +187,7 @@ class SessionHandler(FromOwnPage):
         except OSError as error:
             self.refuse(500, str(error))
             return
-        self.clear_cookie(self.cookie, path="/")
+        self.clear_cookie(self.cookie(COOKIE), path="/")
         self.set_status(204)
 
 

@@ -12,7 +12,7 @@ from tornado import web
 
 from roah_rsbb.ground.kept_file import Save, SavedBeside
 from roah_rsbb.web.own_pages import FromOwnPage, OfOrganiser
-from roah_rsbb.web.pairing import CODE_LENGTH, SESSION_VALID_S, SIGNS, TooManyGuesses, signs_of
+from roah_rsbb.web.pairing import CODE_LENGTH, SIGNS, TooManyGuesses, signs_of
 from roah_rsbb.web.serving import TOO_MANY_REQUESTS
 from roah_rsbb.wording import device
 from roah_rsbb.wording.language import tr
@@ -69,7 +69,7 @@ class TeamCodes:
 
 
 ALL, CODE = TEAM_PAGES = ("all", "code")
-COOKIE, ENCRYPTED_COOKIE = "roah_rsbb_team", "__Host-roah_rsbb_team"
+COOKIE = "roah_rsbb_team"
 
 
 class TeamHandler(FromOwnPage):
@@ -97,19 +97,14 @@ class TeamHandler(FromOwnPage):
             except TooManyGuesses as refused:
                 self.refuse(TOO_MANY_REQUESTS, str(refused))
                 return
-        self.set_cookie(self._cookie, server.team_codes.token(team), path="/", max_age=int(SESSION_VALID_S),
-                        httponly=True, samesite="Strict", secure=self.is_encrypted)
+        self.give_cookie(COOKIE, server.team_codes.token(team))
         self.finish({})
-
-    @property
-    def _cookie(self) -> str:
-        return ENCRYPTED_COOKIE if self.is_encrypted else COOKIE
 
     def _may_see(self, team: str) -> bool:
         """Everybody, if the organisers want that; else who has the team's code, and paired devices."""
         server = self._server
         return server.team_pages == ALL or self.session() is not None or server.team_codes.is_token(
-            team, self.get_cookie(self._cookie, ""))
+            team, self.get_cookie(self.cookie(COOKIE), ""))
 
 
 class CodesHandler(OfOrganiser):

@@ -15,7 +15,7 @@ from support.programs import own, run
 from support.robots import CONFIG
 
 from roah_rsbb.tools.competition.certificate import AUTHORITY, CERTIFICATE, KEY
-from roah_rsbb.web.own_pages import ENCRYPTED_COOKIE
+from roah_rsbb.web.own_pages import COOKIE, ENCRYPTED
 
 HOST, ZONE, PHONE = "127.0.0.1", "Room", (360, 740)
 TEXT = "document.body.innerText"
@@ -62,7 +62,7 @@ class TestEncryption(NeedsBrowser, OwnCoreCase):
         page.wait("document.querySelector('.run') !== null", "the zone is shown")
         (cookie,) = page.command("Network.getCookies")["cookies"]
         self.assertEqual({name: cookie[name] for name in ("name", "secure", "httpOnly", "sameSite")},
-                         {"name": ENCRYPTED_COOKIE, "secure": True, "httpOnly": True, "sameSite": "Strict"})
+                         {"name": ENCRYPTED + COOKIE, "secure": True, "httpOnly": True, "sameSite": "Strict"})
         before = self.box.zone(ZONE).run
         page.get("window.presses = 0, 0")
         page.wait("(b => b && !b.matches(':disabled, [data-changed]') && (b.textContent.includes('Press again') "
