@@ -1,12 +1,15 @@
 """`rosrun roah_rsbb rulebook` and `roah-rsbb rulebook`: what the rules of a folder leave to people, and whether they do
 what somebody computed by hand (docs/rules.md)."""
 
+import glob
 import os
 import sys
 from typing import Dict, List, Optional
 
 from roah_rsbb.ground.arguments import Parser, called
 from roah_rsbb.ground.installed import shipped_folder
+from roah_rsbb.results.cases import CaseRules, answer, differences, read_cases, read_folder
+from roah_rsbb.results.runs import NotPossible
 from roah_rsbb.rulebook.config import BenchmarksFile
 from roah_rsbb.rulebook.decisions import Decided, decided_in
 from roah_rsbb.rulebook.errors import ConfigErrors, Report, quote
@@ -38,9 +41,13 @@ def main(arguments: Optional[List[str]] = None) -> None:
         own = commands.add_parser(name, help=what, description=f"{what.capitalize()}.")
         own.add_argument("folder", metavar="FOLDER", help="a folder, or the name of an included rulebook")
     options = parser.parse_args(sys.argv[1:] if arguments is None else arguments)
-    folder = folder_of(str(shipped_folder()), options.folder)
+    included = str(shipped_folder())
+    folder = folder_of(included, options.folder)
     try:
-        status = _decisions(folder) if options.command == "decisions" else _check(folder)
+        status = _decisions(folder) if options.command == "decisions" else _check(folder, included)
+    except NotPossible as error:
+        print(error, file=sys.stderr)
+        status = 1
     except ConfigErrors as error:
         print(f"the rules have errors:\n{error}", file=sys.stderr)
         status = 1
@@ -71,7 +78,7 @@ def _decisions(folder: str) -> int:
     return 0
 
 
-def _check(folder: str) -> int:
+def _check(folder: str, included: str) -> int:
     """Check the rules; return 1 if something was found."""
     report = Report()
     benchmarks = BenchmarksFile(os.path.join(folder, BENCHMARKS), report).by_code
@@ -79,8 +86,29 @@ def _check(folder: str) -> int:
     if os.path.exists(os.path.join(folder, STANDINGS)):
         read_rules(os.path.join(folder, STANDINGS), list(benchmarks))
     found = [f"{code}: {text}" for code, benchmark in benchmarks.items() for text in findings(sheet_of(benchmark.form))]
-    for text in (*found, *report.warnings):
+    cases = _cases(folder, included)
+    wrong = [text for texts in cases for text in texts]
+    for text in (*found, *wrong, *report.warnings):
         print(text)
     rows = sum(len(sheet_of(benchmark.form).items) for benchmark in benchmarks.values())
-    print(f"{counted(len(benchmarks), 'benchmark')}, {counted(rows, 'row')}: {len(found) or 'nothing'} found")
-    return 1 if found else 0
+    what = ", ".join((counted(len(benchmarks), "benchmark"), counted(rows, "row"), counted(len(cases), "case")))
+    print(f"{what}: {len(found) + len(wrong) or 'nothing'} found")
+    return 1 if found or wrong else 0
+
+
+def _cases(folder: str, included: str) -> List[List[str]]:
+    """Return of each case of the folder what differs from what it expects."""
+    rules: Dict[str, CaseRules] = {}  # by the decisions of a case
+    found: List[List[str]] = []
+    for path in sorted(glob.glob(os.path.join(glob.escape(folder), "cases*.json"))):
+        for number, case in enumerate(read_cases(path), 1):
+            name = f"{os.path.basename(path)}, case {case.get('id', number)}"
+            key = repr(case.get("decisions"))
+            if key not in rules:
+                rules[key] = read_folder(folder, included, case.get("decisions", {}))
+            try:
+                wrong = differences(case, answer(case, rules[key]))
+            except NotPossible as error:
+                wrong = [str(error)]
+            found.append([f"{name}: {text}" for text in wrong])
+    return found

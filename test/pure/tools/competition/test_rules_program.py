@@ -1,5 +1,7 @@
 """`rulebook`: what rules leave to people, and what is wrong with them."""
 
+import json
+
 import pytest
 
 from roah_rsbb.tools.competition import rules
@@ -62,9 +64,9 @@ def test_a_check(run):
     status, out, _ = run("check")
     assert (status, out.splitlines()) == (1, [
         "Fetch: 'Says hello' never counts: it needs 'Takes the cup' ≥ 2, which is at most 1",
-        "1 benchmark, 3 rows: 1 found"])
+        "1 benchmark, 3 rows, 0 cases: 1 found"])
     status, out, _ = run("check", decisions="Cups: many\n")
-    assert (status, out) == (0, "1 benchmark, 3 rows: nothing found\n")
+    assert (status, out) == (0, "1 benchmark, 3 rows, 0 cases: nothing found\n")
 
 
 @pytest.mark.parametrize("command", ["decisions", "check"])
@@ -75,7 +77,20 @@ def test_wrong_rules(run, command):
                                     "rules: did you mean 'Cups'?"]
 
 
-def test_an_included_rulebook(capsys):
+def test_cases_of_the_folder(run, tmp_path):
+    case = {"sheet": "Fetch", "marks": [["Takes the cup", 2], ["Says hello", 1]], "decisions": {"Cups": "many"}}
+    cases = [{**case, "expected": 110}, {**case, "id": "b", "expected": 60}, {**case, "sheet": "Fetsh"}]
+    (tmp_path / "cases.json").write_text(json.dumps(cases))
+    status, out, _ = run("check", decisions="Cups: many\n")
+    assert (status, out.splitlines()) == (1, [
+        "cases.json, case b: points 110, expected 60",
+        "cases.json, case 3: no sheet 'Fetsh': use one of Fetch: did you mean 'Fetch'?",
+        "1 benchmark, 3 rows, 3 cases: 2 found"])
+
+
+@pytest.mark.parametrize("name, found", [("athome", "8 benchmarks, 67 rows, 0 cases"), ("athome2026", "7 benchmarks,")])
+def test_an_included_rulebook(capsys, name, found):
     with pytest.raises(SystemExit) as end:
-        rules.main(["check", "athome"])
-    assert (end.value.code, capsys.readouterr().out) == (0, "8 benchmarks, 67 rows: nothing found\n")
+        rules.main(["check", name])
+    out = capsys.readouterr().out
+    assert (end.value.code, out.startswith(found), out.endswith(": nothing found\n")) == (0, True, True), out
