@@ -80,7 +80,7 @@ class BoxCalls:
         """Do one of `model.actions.EVERY`. Raises `Refused`."""
         known = EVERY.get(action)
         wait = self.do(known is None or known.durable, self._box.act, target, action, who, given)
-        return Waiting(wait, self._box.outcome(target, action, given) or None)
+        return Waiting(wait, self._box.entries.outcome(target, action, given) or None)
 
     def stop(self, name: RunName, who: str) -> Callable[[], str]:
         """Stop a run; see `do`. Raises `Refused`."""

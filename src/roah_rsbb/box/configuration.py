@@ -280,14 +280,14 @@ class Reloads:
             self._lock.release()
 
     def _reload(self, digest: str, who: str) -> Reloaded:
-        ran = self._in_loop(self._box.ran)
+        ran = self._in_loop(self._box.reload.ran)
         try:
             content = self._configuration.read_next(ran)
         except ConfigErrors as errors:
             return Reloaded(errors=str(errors).splitlines())
         changes = self._configuration.changes(content, ran)
         found = Reloaded(warnings=self._configuration.warnings_of(content, ran), changes=changes,
-                         errors=self._in_loop(lambda: self._box.reload_off(content.config)))
+                         errors=self._in_loop(lambda: self._box.reload.off(content.config)))
         if found.errors:
             return found
         found = found._replace(digest=content.digest)
@@ -311,7 +311,7 @@ class Reloads:
 
         def act() -> None:
             self._use(content.config, version)
-            self._event(self._box.reload, content.config, version, changes, who)
+            self._event(self._box.reload.take, content.config, version, changes, who)
             self._configuration.content = content
 
         try:

@@ -125,7 +125,8 @@ class Game:
         self.box = box = Box(config, settings, beacon_size, max(last_ports), version)
         self.fence = Fence(
             loop, place.log_dir, self.store.path, place.network.rsbb_host, place.network.bind_host, place.standby_port,
-            lambda *by: self.event(lambda now: box.supersede(*by)), lambda text: self.event(box.on_trouble, text),
+            lambda *by: self.event(lambda now: box.authority.supersede(*by)),
+            lambda text: self.event(box.watches.trouble, text),
             machine.running_s, machine.end, machine.make_peer, machine.begin, machine.memory.send)
         self.radio = CoreRadio(
             loop, place.network, box, self._turns, lambda text: outputs.log(Level.WARNING, text), machine.make_peer,
@@ -156,7 +157,7 @@ class Game:
             effects.SendState: self._send_state,
             effects.SendBeacon: self._want_beacon,
             effects.TimeoutRung: lambda e: outputs.ring_timeout(),
-            effects.SetDevice: lambda e: box.is_superseded or outputs.set_device(e),
+            effects.SetDevice: lambda e: box.authority.is_superseded or outputs.set_device(e),
             effects.RunOpened: self._run_opened,
             effects.RunResumed: self._run_resumed,
             effects.RunClosed: lambda e: self.run_logs.closed(e),
@@ -172,7 +173,7 @@ class Game:
             loop, box, self.now, self.event, outputs.ask_standby, lambda: self.store.committed)
         self.radio.on_channels = self._note_channels
         for warning in port_warnings:
-            self.event(box.on_notice, warning)
+            self.event(box.watches.notice, warning)
         self._warn_of_journal()
 
     def now(self) -> Now:
@@ -193,7 +194,7 @@ class Game:
         self.fence.open()
         await self.fence.ask()
         if self.fence.by:
-            self.box.stay_superseded(self.fence.by)
+            self.box.authority.stay_superseded(self.fence.by)
             self.radio.close()  # or the runs, which are shown, would be sent to their robots
 
     def resume(
@@ -209,7 +210,7 @@ class Game:
         stops = {**read_stops(self._place.log_dir), **self._stops.before()}
         saved, warnings = saved_state(previous, self.now(), boot_id, ahead, stops)
         for warning in warnings:
-            self.event(self.box.on_notice, warning)
+            self.event(self.box.watches.notice, warning)
         self.journal.restore(saved.records)
         versions = {state.version for state in saved.zones.values() if state.has_run}
         saved = saved._replace(earlier=earlier(versions), planned=planned)
@@ -217,7 +218,7 @@ class Game:
             self.radio.use_passwords(version, config.passwords)
         self._resuming = True  # robots are sent what they were sent before, which waits for no disk
         try:
-            self.event(self.box.resume, saved)
+            self.event(self.box.restart.resume, saved)
         finally:
             self._resuming = False
         self._stops.resumed(self.journal.next_ticket - 1)
@@ -227,9 +228,9 @@ class Game:
         """Do what is due, and begin to hear robots. Returns whether this computer is the box. Raises OSError whose text
         names the remedy."""
         self.tick()
-        if self.box.is_superseded:
+        if self.box.authority.is_superseded:
             return False
-        self.radio.open(self.box.listening_left(self.now()))
+        self.radio.open(self.box.watches.listening_left(self.now()))
         self.run_logs.make(self.store.previous.ended_logs)
         return True
 
@@ -247,11 +248,11 @@ class Game:
     def check_earlier(self) -> None:
         """In another thread: warn of damage in the part of the journal that a start does not read."""
         for warning in self.store.earlier_damage():
-            self._post(functools.partial(self.event, self.box.on_notice, warning))
+            self._post(functools.partial(self.event, self.box.watches.notice, warning))
 
     def _warn_of_journal(self) -> None:
         for warning in self.store.take_warnings():
-            self.event(self.box.on_notice, warning)
+            self.event(self.box.watches.notice, warning)
 
     def why_not_recorded(self, ticket: int) -> str:
         """Return that a STOP is missing on a disk, and why, as far as that is known; empty: it is on all, or will be
@@ -287,13 +288,13 @@ class Game:
         self._loop.call_soon_threadsafe(function)
 
     def _on_log_trouble(self, text: str) -> None:
-        self._post(lambda: self.event(self.box.on_trouble, text))
+        self._post(lambda: self.event(self.box.watches.trouble, text))
 
     def _on_log_repaired(self, trouble: str, text: str) -> None:
-        self._post(lambda: self.event(self.box.on_repaired, trouble, text))
+        self._post(lambda: self.event(self.box.watches.repaired, trouble, text))
 
     def _on_journal_trouble(self, text: str) -> None:
-        self._post(lambda: self.event(self.box.on_journal, text))
+        self._post(lambda: self.event(self.box.watches.journal, text))
 
     # -- events and their effects -------------------------------------------------------------------
 
@@ -310,12 +311,12 @@ class Game:
         self, now: Now, port: int, host: str, report: RobotReport, received_utc: Optional[float],
     ) -> Optional[BoxMessage]:
         """Like `event`, for a robot's report that was read `now`. Returns the message to send to the robot from now on,
-        if there is nothing else to do: see `Box.on_robot_report`."""
+        if there is nothing else to do: see `Arrivals.on_robot_report`."""
         self.fence.check()
         self._moment = now
         message = None
         try:
-            message = self.box.on_robot_report(self._moment, port, host, report, received_utc)
+            message = self.box.arrivals.on_robot_report(self._moment, port, host, report, received_utc)
         finally:
             if message is None:
                 self._finish()
@@ -337,7 +338,7 @@ class Game:
 
     def tick(self) -> None:
         """Run the box's due timers."""
-        self.event(self.box.tick)
+        self.event(self.box.timers.tick)
 
     def _carry_out(self) -> None:
         if self._carrying_out:
@@ -346,14 +347,14 @@ class Game:
         notices: List[effects.Notice] = []
         try:
             self._release()
-            todo = self.box.take_effects()
+            todo = self.box.outbox.take()
             while todo:
                 self.fence.check()
                 self._stop(todo)
                 notices += [effect for effect in todo if isinstance(effect, effects.Notice)]
                 self._hold(self._record(todo), todo)
                 self._release()
-                todo = self.box.take_effects()
+                todo = self.box.outbox.take()
             if self._beacon_wanted:
                 self._beacon_wanted = False
                 self.radio.send_beacon()
@@ -442,7 +443,7 @@ class Game:
             self._outputs.report_bug(f"{type(effect).__name__} was not carried out")
 
     def _set_timer(self) -> None:
-        deadline = self.box.deadline()
+        deadline = self.box.timers.deadline()
         if self._timer is not None:
             if self._timer.when() == deadline:
                 return
@@ -471,7 +472,7 @@ class Game:
 
     def _port_not_kept(self, error: OSError) -> None:
         self.event(
-            self.box.on_trouble,
+            self.box.watches.trouble,
             f"{self._ports.path} cannot be written: {error.strerror}. After a restart of the box private ports "
             "may be used twice: free or repair the disk of log_dir",
         )
@@ -481,7 +482,7 @@ class Game:
             self.radio.open_channel(effect.port, effect.team, effect.host, effect.version)
         except OSError as error:
             self._unopened.add(effect.port)
-            self.event(self.box.on_channel_failed, effect.port, str(error))
+            self.event(self.box.arrivals.on_channel_failed, effect.port, str(error))
 
     def _run_opened(self, effect: effects.RunOpened) -> None:
         if effect.port in self._unopened:

@@ -103,7 +103,7 @@ class CoreJournal:
             taker = self._takers.get(type(effect))
             if taker is not None:
                 taker(now, effect)
-        changed = self._box.take_changed()
+        changed = self._box.outbox.take_changed()
         for name in sorted(changed):
             self._state_changed(now, name)
         if self._batch.is_empty():
@@ -157,9 +157,9 @@ class CoreJournal:
     def each_second(self, now: Now, unreadable: Mapping[int, int]) -> None:
         """Call this once a second: writes the link records and waiting data.
 
-        `unreadable`: see `Box.link_samples`.
+        `unreadable`: see `Zones.link_samples`.
         """
-        samples = self._box.link_samples(now, unreadable)
+        samples = self._box.zones.link_samples(now, unreadable)
         if samples:
             self._journal.write(Batch(links=[
                 LinkRow(port, now.utc, now.mono, to_json(sample)) for port, sample in samples
@@ -171,7 +171,7 @@ class CoreJournal:
     def _state_changed(self, now: Now, name: str) -> None:
         """Write a state for a restart, and how it changed for replays."""
         if name == BOX:
-            self._batch.states[BOX_STATE] = to_json(self._box.saved())
+            self._batch.states[BOX_STATE] = to_json(self._box.restart.saved())
             return
         zone = self._box.zones.get(name)
         if zone is None:  # it was removed

@@ -62,7 +62,7 @@ class StandbyAnswers:
 
     def on_answer(self, ticket: int) -> None:
         """The standby has everything up to this ticket."""
-        self._event(self._box.on_copy_answer, ticket)
+        self._event(self._box.copies.answer, ticket)
         done = [answer for earlier, answer in self._waiting if earlier <= ticket]
         self._waiting = [waiting for waiting in self._waiting if waiting[0] > ticket]
         for answer in done:
@@ -82,11 +82,11 @@ class StandbyAnswers:
         if not copies.are_two:  # a reload ended it
             answer.set_result("")
             return
-        if self._box.is_superseded:
-            answer.set_result(unconfirmed_by_old_box(self._box.superseded_by))
+        if self._box.authority.is_superseded:
+            answer.set_result(unconfirmed_by_old_box(self._box.authority.superseded_by))
             return
         why = copies.why_not_confirmed(self._now())
-        self._event(self._box.on_copy_given_up, ticket)
+        self._event(self._box.copies.give_up, ticket)
         answer.set_result(unconfirmed(why))
 
 

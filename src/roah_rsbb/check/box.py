@@ -9,6 +9,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 from roah_rsbb.comm.channels import MakePeer, Network
 from roah_rsbb.comm.peer import Address, Peer
 from roah_rsbb.core import effects
+from roah_rsbb.core.arrivals import Arrivals
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.continuing import Saved
 from roah_rsbb.core.effects import Effect
@@ -182,27 +183,21 @@ class CheckRecord:
     overload: int = 0  # reports that were not read
 
 
-class WatchedBox(Box):
-    """The box of the core, which records what it hears."""
+class WatchedArrivals(Arrivals):
+    """Records what the box hears."""
 
-    def __init__(self, record: CheckRecord, news: Callable[[], None], *args: Any, **kwargs: Any) -> None:
-        super().__init__(*args, **kwargs)
+    def __init__(self, record: CheckRecord, news: Callable[[], None], *parts: Any) -> None:
+        super().__init__(*parts)
         self._log = record
         self._news = news
         self.trap: Optional[Callable[[RobotReport], None]] = None  # called before the box takes a report
-        self.extra: Tuple[BenchmarkingRobot, ...] = ()  # invented robots, first in the beacon
-
-    def beacon(self) -> Beacon:
-        """See `Box.beacon`."""
-        found = super().beacon()
-        return found._replace(robots=self.extra + found.robots)
 
     def on_robot_beacon(
         self, now: Now, host: str, team: str, robot: str, time: WireTime, received_utc: Optional[float] = None,
         has_route: bool = True,
     ) -> None:
-        """See `Box.on_robot_beacon`."""
-        skew = wire_seconds(time) - self.arrival(now, received_utc).utc
+        """See `Arrivals.on_robot_beacon`."""
+        skew = wire_seconds(time) - self._timers.arrival(now, received_utc).utc
         self._log.beacons.append(HeardBeacon(now.mono, team, robot, skew))
         super().on_robot_beacon(now, host, team, robot, time, received_utc, has_route)
         self._news()
@@ -210,9 +205,9 @@ class WatchedBox(Box):
     def on_robot_report(
         self, now: Now, port: int, host: str, report: RobotReport, received_utc: Optional[float] = None,
     ) -> Optional[BoxMessage]:
-        """See `Box.on_robot_report`."""
+        """See `Arrivals.on_robot_report`."""
         repeated = None
-        run = self.zones.run_at(port)
+        run = self._zones.run_at(port)
         if run is not None:
             before = run.link.last
             if self.trap is not None and (before is None or report.time > before.time):
@@ -221,28 +216,47 @@ class WatchedBox(Box):
             repeated = super().on_robot_report(now, port, host, report, received_utc)
             if run.link.last is report:
                 self._log.reports.append(HeardReport(now.mono, host, port, report, said))
-                self._log.skews.append((now.mono, wire_seconds(report.time) - self.arrival(now, received_utc).utc))
+                arrival = self._timers.arrival(now, received_utc)
+                self._log.skews.append((now.mono, wire_seconds(report.time) - arrival.utc))
             else:
                 self._log.stale += 1
         self._news()
         return repeated
 
     def on_robot_overload(self, now: Now, port: int, count: int) -> None:
-        """See `Box.on_robot_overload`."""
+        """See `Arrivals.on_robot_overload`."""
         self._log.overload += count
         super().on_robot_overload(now, port, count)
 
     def on_unreadable(self, now: Now, port: int, text: str) -> None:
-        """See `Box.on_unreadable`."""
+        """See `Arrivals.on_unreadable`."""
         self._log.unreadable.append((now.mono, text))
         super().on_unreadable(now, port, text)
         self._news()
 
     def on_complaint(self, now: Now, text: str) -> None:
-        """See `Box.on_complaint`."""
+        """See `Arrivals.on_complaint`."""
         self._log.complaints.append((now.mono, text))
         super().on_complaint(now, text)
         self._news()
+
+
+class WatchedBox(Box):
+    """The box of the core, which records what it hears, and invents robots."""
+
+    arrivals: WatchedArrivals
+
+    def __init__(self, record: CheckRecord, news: Callable[[], None], *args: Any) -> None:
+        super().__init__(*args)
+        self.arrivals = WatchedArrivals(
+            record, news, self.settings, self.timers, self.zones, self.robots, self.heard, self.tablet, self.watches,
+            self.connections, self.outbox)
+        self.extra: Tuple[BenchmarkingRobot, ...] = ()  # invented robots, first in the beacon
+
+    def beacon(self) -> Beacon:
+        """See `Box.beacon`."""
+        found = super().beacon()
+        return found._replace(robots=self.extra + found.robots)
 
 
 class Goals:
@@ -332,11 +346,11 @@ class CheckBox(NetworkDriver):
     def saved(self) -> Saved:
         """Return the state with which another box continues."""
         zones = {zone.name: zone.saved() for zone in self.box.zones.values()}
-        return Saved(self.now().utc, self.box.saved(), zones)
+        return Saved(self.now().utc, self.box.restart.saved(), zones)
 
     def resume(self, saved: Saved) -> None:
         """Continue the runs of a box that has ended."""
-        self.event(self.box.resume, saved)
+        self.event(self.box.restart.resume, saved)
 
     def _on_beat(self) -> None:
         self._beat = self._loop.call_later(MODULE_BEAT_S, self._on_beat)

@@ -487,9 +487,9 @@ class Play(RobotWatch):
         """Do something at the moment when the robot reports a state, before the box reacts to it."""
         def on_report(report: RobotReport) -> None:
             if report.state is state:
-                self.box.box.trap = None
+                self.box.box.arrivals.trap = None
                 act()
-        self.box.box.trap = on_report
+        self.box.box.arrivals.trap = on_report
 
     # -- boxes --------------------------------------------------------------------------------------
 
@@ -513,7 +513,7 @@ class Play(RobotWatch):
     async def tidy(self) -> None:
         """Leave the robot stopped and without a run, whatever happened before."""
         self.network.out = self.network.back = PERFECT
-        self.box.box.trap, self.box.box.extra = None, ()
+        self.box.box.arrivals.trap, self.box.box.extra = None, ()
         if not self.code or self.box.run_in(self.code) is None:
             return
         if not self.over:

@@ -476,8 +476,9 @@ async def burst(play: Play, code: str) -> None:
     box, utc = play.box.box, play.box.now().utc
     for number in range(int(BURST_S / BURST_PERIOD_S)):
         moment = (int(utc) + number, 0)
-        play.box.event(box.on_devices, DevicesState(moment, bool(number % 2), True, False, number % 101, 50, False))
-        play.box.event(box.on_tablet, BEACON_HOST, TabletState(False, moment, moment, 0.1 * number, 1.0))
+        play.box.event(
+            box.devices.on_state, DevicesState(moment, bool(number % 2), True, False, number % 101, 50, False))
+        play.box.event(box.arrivals.on_tablet, BEACON_HOST, TabletState(False, moment, moment, 0.1 * number, 1.0))
         await play.rest(BURST_PERIOD_S)
     if not play.over and play.state is RobotState.EXECUTING:
         await play.stop("after a burst of beacons", Cause.BURST)

@@ -252,8 +252,7 @@ class Connections:
         self._reopen_at[run.port] = now.mono + REOPEN_S
         text = (f"UDP port {run.port} of the run in zone {run.zone} cannot be opened after the restart: {error}. "
                 "It is tried again every second: end the program that uses it")
-        if self._watches.trouble(now, text):
-            self._outbox.notice(Level.ERROR, text)
+        self._watches.trouble(now, text)
 
     def tick(self, now: Now) -> None:
         """Retry the ports that are due."""

@@ -1,7 +1,7 @@
 """Continues the runs from the saved state of the box after a restart of the core, and with another configuration.
 
 Theory of operation of a restart. Whatever changes the state of a zone marks the zone. The driver of the box takes the
-marked zones with `Box.take_changed`, and records their state before it carries out any effect. After a restart,
+marked zones with `Outbox.take_changed`, and records their state before it carries out any effect. After a restart,
 `Restart.resume` builds every zone from its state: each run continues with its state, clocks, scores, strings and
 private port. Robots only notice a gap of a few seconds.
 
@@ -20,12 +20,16 @@ from types import MappingProxyType
 from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core import effects
+from roah_rsbb.core.authority import Authority
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.copies import Copies
+from roah_rsbb.core.devices import ReportedDevices
 from roah_rsbb.core.effects import Level, Outbox
-from roah_rsbb.core.link.freshness import HeardState
+from roah_rsbb.core.link.freshness import Heard, HeardState
 from roah_rsbb.core.robots import ActiveRobots
 from roah_rsbb.core.runs.run import UnrecordedStop
+from roah_rsbb.core.tablet import Tablet
+from roah_rsbb.core.timers import Timers
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import Zone, Zones, ZoneState, is_same, key_of_record
 from roah_rsbb.model.clock import Now
@@ -38,6 +42,7 @@ from roah_rsbb.scoring.book import FinishedRuns, left_behind
 from roah_rsbb.scoring.counting import with_events
 from roah_rsbb.wording import times
 
+REPLAY = say("This is a replay of {run}: nothing here is live, and commands have no effect")
 RESTARTED = say("The box was restarted at {time}, {down} s after its last record")
 CONTINUES, CONTINUES_AT = say("{text}: the run continues if its robot does"), say(
     "{text}: the run continues on the box at {address}")
@@ -75,17 +80,31 @@ class Restart:
     """Continues the previous core's runs."""
 
     def __init__(
-        self, zones: Zones, finished: FinishedRuns, connections: Connections, watches: Watches, outbox: Outbox
+        self, timers: Timers, zones: Zones, finished: FinishedRuns, connections: Connections, devices: ReportedDevices,
+        tablet: Tablet, heard: Heard, watches: Watches, authority: Authority, outbox: Outbox,
     ) -> None:
+        self._timers = timers
         self._zones = zones
         self._finished = finished
         self._connections = connections
+        self._devices = devices
+        self._tablet = tablet
+        self._heard = heard
         self._watches = watches
+        self._authority = authority
         self._outbox = outbox
 
-    def resume(self, now: Now, saved: Saved, by: str = "") -> None:
-        """Continue all runs that can be continued. `by`: address of the box that took over from this one, which only
-        shows them; empty: none did."""
+    def saved(self) -> BoxSaved:
+        """Return the state that belongs to no zone."""
+        return BoxSaved(self._devices.state, self._tablet.state, self._heard.state)
+
+    def resume(self, now: Now, saved: Saved) -> None:
+        """Continue from the state that was saved before a restart: all runs that can be continued. A box from which
+        another one took over only shows them. Call it once, before any other event."""
+        by = self._authority.superseded_by
+        self._devices.state = saved.box.devices
+        self._tablet.restore(saved.box.tablet)
+        self._heard.restore(saved.box.heard)
         plans = [ZonePlan(zone.name, zone.planned) for zone in self._zones.values()]
         self._finished.restore(with_events(saved.records, plans))
         self._connections.leave_out(record.identity for record in saved.records)
@@ -114,9 +133,18 @@ class Restart:
                 run.warn(now, continuing_text if run.phase is Phase.RUNNING else text)
             self._watches.restarted(now, text)
             self._outbox.emit(effects.SendBeacon())
+        self._outbox.revision += 1  # whoever looked before must look again, also at what no event of a run reports
+        self._timers.tick(now)
 
-    def show(self, now: Now, zone: Zone, state: Optional[ZoneState]) -> None:
-        """Put an earlier state into a zone, to look at it; None: the zone has no run. Raises ValueError."""
+    def begin_replay(self, run: str) -> None:
+        """Show only earlier states of a run from now on. The only warning says so, and every command is refused."""
+        self._authority.closed = REPLAY(run=run)
+        self._connections.hears_beacons = False
+
+    def show(self, now: Now, zone_name: str, state: Optional[ZoneState]) -> None:
+        """Put an earlier state into a zone, to look at it; None: the zone had no run. Raises ValueError. Let no timer
+        tick."""
+        zone = self._zones[zone_name]
         self._outbox.mark_changed(zone.name)
         if state is None:
             if zone.run is not None:
@@ -173,8 +201,7 @@ class Restart:
             return
         event = state.event
         text = LOST(benchmark=event.benchmark, team=event.team, why=why)
-        if self._watches.trouble(now, text):
-            self._outbox.notice(Level.ERROR, text)
+        self._watches.trouble(now, text)
 
 
 def _event_of(config: Config, zone: str, state: ZoneState) -> Optional[ScheduledEvent]:
@@ -196,9 +223,11 @@ class Reload:
     """Puts another configuration into force."""
 
     def __init__(
-        self, zones: Zones, robots: ActiveRobots, finished: FinishedRuns, connections: Connections, copies: Copies,
-        outbox: Outbox, time_zone: str
+        self, timers: Timers, zones: Zones, robots: ActiveRobots, finished: FinishedRuns, connections: Connections,
+        copies: Copies, authority: Authority, outbox: Outbox, time_zone: str
     ) -> None:
+        self._timers = timers
+        self._authority = authority
         self._zones = zones
         self._robots = robots
         self._finished = finished
@@ -213,6 +242,8 @@ class Reload:
 
     def off(self, config: Config) -> List[str]:
         """Return why a configuration cannot be taken now; empty: it can."""
+        if self._authority.closed:
+            return [self._authority.closed]
         names = {zone.name for zone in config.zones}
         why = self._copies.why_not(config)
         return ([why] if why else []) + [
@@ -225,8 +256,9 @@ class Reload:
         return [key_of_record(record) for record in self._finished.records()] + [
             key_of(run.event) for run in self._zones.runs()]
 
-    def take(self, config: Config, version: int, changes: Sequence[str], who: str) -> None:
+    def take(self, now: Now, config: Config, version: int, changes: Sequence[str], who: str = "") -> None:
         """Put a configuration into force. `changes` lists what it changes. Raises `Refused`."""
+        self._timers.tick(now)
         reasons = self.off(config)
         if reasons:
             raise Refused(reasons)

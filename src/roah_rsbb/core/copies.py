@@ -6,6 +6,7 @@ lost"). They are known by the journal's tickets, which only rise.
 
 from typing import Dict, List, NamedTuple, Optional
 
+from roah_rsbb.core.effects import Level, Outbox
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import say
 from roah_rsbb.rulebook.benchmarks import Config, Durable
@@ -97,7 +98,10 @@ class _Copy:
 class Copies:
     """All copies of the journal."""
 
-    def __init__(self) -> None:
+    def __init__(self, outbox: Outbox) -> None:
+        self._outbox = outbox
+        self.is_quiet = False
+        """Whether nothing of them is logged any more: another box has taken over."""
         self._copies: Dict[str, _Copy] = {}
         self._two_at = ""  # where the configuration demands two copies; empty: one is enough
         # Tickets: the newest one that the standby was asked for, the newest one that it has, and the newest one that
@@ -110,11 +114,11 @@ class Copies:
         copy = self._copies[place] = _Copy(now, is_expected=True)
         copy.was_complete = was_complete
 
-    def report(self, now: Now, report: CopyReport) -> Optional[str]:
-        """Take a report. Return a text to log: a new warning, or empty: the copy is complete again; None: no change."""
+    def report(self, now: Now, report: CopyReport) -> None:
+        """The node that copies reports how complete a copy is."""
         copy = self._copies.get(report.place)
         if copy is None and len(self._copies) >= MAX_COPIES:
-            return None
+            return
         if copy is None:
             copy = self._copies[report.place] = _Copy(now, is_expected=False)
         copy.heard_mono, copy.report = now.mono, report
@@ -122,10 +126,10 @@ class Copies:
             copy.was_complete = copy.was_complete or report.behind_s < REPLACED_S
             copy.complete_mono = max(copy.complete_mono, now.mono - max(0.0, report.behind_s))
         warning = copy.why_behind(now) if self._is_late(now, copy) else ""
-        before, copy.warning = copy.warning, warning
-        if warning == before:
-            return None
-        return self._text(now, report.place, copy) if warning else ""
+        is_new, copy.warning = warning != copy.warning, warning
+        if is_new and not self.is_quiet:
+            self._outbox.notice(*((Level.ERROR, self._text(now, report.place, copy)) if warning else (
+                Level.INFO, f"The copy of the journal ({report.place}) is complete again")))
 
     # -- two copies ---------------------------------------------------------------------------------
 
@@ -163,20 +167,22 @@ class Copies:
         """Whether the standby will probably answer in time: it is connected, and it answered the earlier questions."""
         return self._copies[STANDBY].is_connected(now) and not self._is_unconfirmed
 
-    def answer(self, ticket: int) -> bool:
-        """Note that the standby has everything up to this ticket. Return whether that ends a warning."""
+    def answer(self, _now: Now, ticket: int) -> None:
+        """The standby has everything up to this ticket of the journal (`ask`)."""
         copy = self._copies[STANDBY]
         if copy.report is not None:  # this report may be older than the answer
             copy.report = copy.report._replace(trouble="", is_of_this_box=True)
         was_missing = self._is_unconfirmed
         self._answered = max(self._answered, min(ticket, self._asked))
-        return was_missing and not self._is_unconfirmed
+        if was_missing and not self._is_unconfirmed:
+            self._outbox.notice(Level.INFO, "The standby has all entries again")
 
-    def give_up(self, now: Now, ticket: int) -> Optional[str]:
-        """Note that a referee's entry was reported as not confirmed. Return a new warning to log, or None."""
+    def give_up(self, now: Now, ticket: int) -> None:
+        """A referee's entry is reported as not confirmed."""
         was_missing = self._is_unconfirmed
         self._given_up = max(self._given_up, ticket)
-        return self._not_confirmed(now) if self._is_unconfirmed and not was_missing else None
+        if self._is_unconfirmed and not was_missing:
+            self._outbox.notice(Level.WARNING, self._not_confirmed(now))
 
     def why_not_confirmed(self, now: Now) -> str:
         """Return why the standby does not have an entry, and what to do."""

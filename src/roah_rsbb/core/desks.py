@@ -9,6 +9,7 @@ import contextlib
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Set, Tuple, Union
 
 from roah_rsbb.core import effects
+from roah_rsbb.core.authority import Authority
 from roah_rsbb.core.effects import Level, Outbox
 from roah_rsbb.core.modules import Modules
 from roah_rsbb.core.runs.functionality import FunctionalityRun
@@ -30,27 +31,16 @@ from roah_rsbb.scoring.sheet import Mark
 class CommandRecord:
     """Records every command of a referee, including refused ones."""
 
-    def __init__(self, zones: Zones, outbox: Outbox, kind: str = "command") -> None:
+    def __init__(self, zones: Zones, authority: Authority, outbox: Outbox, kind: str = "command") -> None:
         """`kind`: of the journal's entries."""
         self._zones = zones
+        self._authority = authority
         self._outbox = outbox
         self._kind = kind
-        self._closed: List[str] = []  # see `close`; shared by all kinds
 
     def of_kind(self, kind: str) -> "CommandRecord":
-        """Return a record for another kind of entries, which is closed when this one is."""
-        made = CommandRecord(self._zones, self._outbox, kind)
-        made._closed = self._closed
-        return made
-
-    @property
-    def closed(self) -> str:
-        """Why every command is refused; empty: it is not."""
-        return self._closed[0] if self._closed else ""
-
-    def close(self, reason: str) -> None:
-        """Refuse every command from now on, for this reason."""
-        self._closed[:] = [reason]
+        """Return a record for another kind of entries."""
+        return CommandRecord(self._zones, self._authority, self._outbox, kind)
 
     @contextlib.contextmanager
     def of(self, name: RunName, who: str, command: str, /, **arguments: object) -> Iterator[None]:
@@ -61,8 +51,8 @@ class CommandRecord:
         run = None if zone is None else zone.run
         place = self._outbox.place()
         try:
-            if self.closed:
-                raise Refused([self.closed])
+            if self._authority.closed:
+                raise Refused([self._authority.closed])
             yield
         except Refused as refused:
             value["refused"] = [_short(reason) for reason in refused.reasons]
@@ -444,12 +434,12 @@ def _silent(_item: ItemRecord) -> str:
 class ModuleDesk:
     """Takes the modules' messages about functionality runs."""
 
-    def __init__(self, tick: Callable[[Now], None], zones: Zones, modules: Modules, record: CommandRecord) -> None:
+    def __init__(self, tick: Callable[[Now], None], zones: Zones, modules: Modules, authority: Authority) -> None:
         """`tick` does what is due by now. Every event calls it first."""
         self._tick = tick
         self._zones = zones
         self._modules = modules
-        self._record = record
+        self._authority = authority
 
     def on_modules(self, now: Now, state: ModulesState) -> None:
         """A node of benchmarking modules reports its benchmarks and its progress in runs."""
@@ -457,7 +447,7 @@ class ModuleDesk:
             self._modules.hear(now, state)  # twice a second, and nothing happens in the box
             return
         self._tick(now)
-        if self._record.closed:
+        if self._authority.closed:
             return
         self._modules.hear(now, state)
         self._update_runs(now)

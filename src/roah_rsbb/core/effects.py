@@ -1,6 +1,6 @@
 """Effects: the actions that the core requests, in their order.
 
-The core itself does no I/O (docs/architecture.md, "The core does no I/O"). Its driver calls `Box.take_effects` after
+The core itself does no I/O (docs/architecture.md, "The core does no I/O"). Its driver calls `Outbox.take` after
 each event and carries out the effects one after the other. A record is written before what it causes leaves the box
 (docs/architecture.md, "Write first, then act").
 """
@@ -27,7 +27,7 @@ class PortTaken(NamedTuple):
 
 
 class OpenChannel(NamedTuple):
-    """Open a private channel. If that fails, call `Box.on_channel_failed`."""
+    """Open a private channel. If that fails, call `Arrivals.on_channel_failed`."""
 
     port: int
     team: str

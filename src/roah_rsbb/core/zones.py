@@ -8,6 +8,8 @@ from roah_rsbb.core.runs.all_robots import AllRobotsRun
 from roah_rsbb.core.runs.by_hand import HandRun
 from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalityState
 from roah_rsbb.core.runs.run import AllRobotsState, Run, RunState, ZoneRun, ZoneRunState
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.reason import Refused, say
 from roah_rsbb.model.records import RAN_TO_THE_END, EndReason, RunRecord
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
@@ -323,6 +325,13 @@ class Zones(Dict[str, Zone]):
     def members(self) -> List[Run]:
         """Return all runs of single robots. Each has a private channel. The list stays the same until one changes."""
         return self._known().members
+
+    def link_samples(self, now: Now, unreadable: Mapping[int, int]) -> Tuple[Tuple[int, LinkSample], ...]:
+        """Return the port of each robot in a run, and its link's quality since the last call. Call this once a second.
+
+        `unreadable`: by port, the number of all datagrams so far that could not be read. Missing ports have none.
+        """
+        return tuple((run.port, run.link.sample(now, unreadable.get(run.port, 0))) for run in self.members())
 
     def run_of(self, robot_id: RobotId) -> Optional[Run]:
         """Return the run that a robot is in. A robot is in at most one run of the box."""

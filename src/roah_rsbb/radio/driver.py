@@ -46,7 +46,7 @@ class NetworkDriver:
     def open(self, listen_duration: float = 0.0) -> None:
         """Start. Raises OSError whose text names the remedy."""
         self.radio.open(listen_duration)
-        self.event(self.box.tick)
+        self.event(self.box.timers.tick)
 
     def close(self) -> None:
         """Stop without informing the robot."""
@@ -72,7 +72,7 @@ class NetworkDriver:
         """See `Game.report`."""
         message = None
         try:
-            message = self.box.on_robot_report(now, port, host, report, received_utc)
+            message = self.box.arrivals.on_robot_report(now, port, host, report, received_utc)
         finally:
             if message is None:
                 self._finish()
@@ -90,12 +90,12 @@ class NetworkDriver:
             return  # an effect caused another event, whose effects follow later
         self._carrying_out = True
         try:
-            todo = self.box.take_effects()
+            todo = self.box.outbox.take()
             while todo:
                 for effect in todo:
                     self._do(effect)
                     self.on_effect(effect)
-                todo = self.box.take_effects()
+                todo = self.box.outbox.take()
         finally:
             self._carrying_out = False
 
@@ -105,7 +105,7 @@ class NetworkDriver:
             try:
                 radio.open_channel(effect.port, effect.team, effect.host, effect.version)
             except OSError as error:
-                self.event(self.box.on_channel_failed, effect.port, str(error))
+                self.event(self.box.arrivals.on_channel_failed, effect.port, str(error))
         elif isinstance(effect, effects.AimChannel):
             radio.aim(effect.port, effect.host)
         elif isinstance(effect, effects.CloseChannel):
@@ -118,9 +118,9 @@ class NetworkDriver:
     def _set_timer(self) -> None:
         if self._timer is not None:
             self._timer.cancel()
-        deadline = self.box.deadline()
+        deadline = self.box.timers.deadline()
         self._timer = None if deadline is None else self._loop.call_at(deadline, self._on_timer)
 
     def _on_timer(self) -> None:
         self._timer = None
-        self.event(self.box.tick)
+        self.event(self.box.timers.tick)

@@ -154,7 +154,7 @@ class CoreRadio:
 
         Shortly after another beacon, it is delayed until `BEACON_GAP_S` has passed, and then has the present state.
         """
-        if self._listening or self._is_closed or self._box.is_held or self._beacon_soon is not None:
+        if self._listening or self._is_closed or self._box.watches.held_by or self._beacon_soon is not None:
             return
         gap_left = self._last_beacon + BEACON_GAP_S - self._loop.time()
         if gap_left > 0:
@@ -277,12 +277,12 @@ class CoreRadio:
         host = address[0]
         if isinstance(message, pb.RobotBeacon):
             time = wire_convert.time_of(message.time)
-            self._event(self._box.on_robot_beacon, host, message.team_name, message.robot_name, time,
+            self._event(self._box.arrivals.on_robot_beacon, host, message.team_name, message.robot_name, time,
                         self.public.received_utc, self._has_route(host))
         elif isinstance(message, pb.TabletBeacon):
-            self._event(self._box.on_tablet, host, wire_convert.tablet_of(message))
+            self._event(self._box.arrivals.on_tablet, host, wire_convert.tablet_of(message))
         elif isinstance(message, pb.RoahRsbbBeacon):
-            self._event(self._box.on_foreign_box, host)
+            self._event(self._box.arrivals.on_foreign_box, host)
 
     def _has_route(self, host: str) -> bool:
         """Whether this computer can send to a robot. What was found holds for a while."""
@@ -314,9 +314,9 @@ class CoreRadio:
                     private.short_way.settle(run, message)
         elif isinstance(message, Unread):
             if message.count:
-                self._event(self._box.on_robot_overload, port, message.count)
+                self._event(self._box.arrivals.on_robot_overload, port, message.count)
         else:
-            self._event(self._box.on_foreign_box, address[0])
+            self._event(self._box.arrivals.on_foreign_box, address[0])
 
     def _on_copy(self, port: int, host: str) -> None:
         """Count each copy, but pass a flood of them to the box in few events."""
@@ -326,11 +326,11 @@ class CoreRadio:
         private.copies += 1
         if private.copy_events.take(self._loop.time(), 1):
             count, private.copies = private.copies, 0
-            self._event(self._box.on_robot_copy, port, host, count)
+            self._event(self._box.arrivals.on_robot_copy, port, host, count)
 
     def _on_complaint(self, text: str) -> None:
-        self._event(self._box.on_complaint, text)
+        self._event(self._box.arrivals.on_complaint, text)
 
     def _on_private_complaint(self, port: int, text: str) -> None:
         self._warn(text)
-        self._event(self._box.on_unreadable, port, text)
+        self._event(self._box.arrivals.on_unreadable, port, text)

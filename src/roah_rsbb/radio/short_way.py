@@ -8,7 +8,7 @@ layer from memory for each datagram: of several in a row, only the first one nee
 
 What a robot has not said just before never waits. A repetition does not wait either if it can have an effect: because
 the run changed or did not take the same content before, because something is due, or because of the clocks. The core
-promises when there is none (`Run.settled_at`, `Box.is_calm`, `RobotLink.calm_skews`, `RobotPast.saved`).
+promises when there is none (`Run.settled_at`, `Timers.is_calm`, `RobotLink.calm_skews`, `RobotPast.saved`).
 """
 
 import asyncio
@@ -120,8 +120,8 @@ class ShortWay:
 
     def __init__(self, turns: Turns, key: Key, reader: ReportReader, box: Box) -> None:
         """`reader` reads the channel's payloads."""
-        self._turns, self._key, self._reader, self._is_calm = turns, key, reader, box.is_calm
-        self._revisions = box.revisions
+        self._turns, self._key, self._reader, self._is_calm = turns, key, reader, box.timers.is_calm
+        self._revisions = box.outbox.revisions
         self._channel: Optional[PrivateChannel] = None
         self._zone, self._revision = "", NO_REVISION  # as long as the zone has it, no repetition has an effect
         self._skews, self._offset = (0.0, 0.0), 0.0  # (s) as long as these hold, neither has a clock

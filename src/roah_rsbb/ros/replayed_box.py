@@ -162,7 +162,7 @@ class ReplayedBox:
         self._phases: Dict[str, str] = {}  # of the zones' runs
         self.now = Now(run.begin_utc, run.begin_utc)
         self.box = Box(files, Settings(listen_duration=0.0), lambda beacon: 0)
-        self.box.begin_replay(run.name)
+        self.box.restart.begin_replay(run.name)
         missing = {change.zone for change in run.changes} - set(self.box.zones)
         if missing:
             raise CannotReplay(f"the schedule has no zone {', '.join(sorted(missing))}: {OTHER_FILES}")
@@ -199,7 +199,7 @@ class ReplayedBox:
 
     def _show(self, change: _Change) -> None:
         try:
-            self.box.show(Now(change.utc, change.utc), change.zone, change.state())
+            self.box.restart.show(Now(change.utc, change.utc), change.zone, change.state())
         except ValueError as error:
             raise CannotReplay(f"{error}: {OTHER_FILES}") from None
 

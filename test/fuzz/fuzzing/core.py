@@ -57,11 +57,11 @@ class ForgetfulDriver(BoxDriver):
         """The core ends, and continues from its saved state."""
         box = self.box
         zones = {name: _again(ZoneState, box.zones[name].saved()) for name in box.zones}
-        saved = Saved(self.now.utc, _again(BoxSaved, box.saved()), zones)
+        saved = Saved(self.now.utc, _again(BoxSaved, box.restart.saved()), zones)
         self.box = Box(self.config, self.settings, beacon_bytes, max(self.channels, default=None))
         self._rules.restart()
         self.channels.clear()
-        self.event(self.box.resume, saved)
+        self.event(self.box.restart.resume, saved)
 
 
 def _again(kind, state):
@@ -91,7 +91,8 @@ class Play:
         self.driver.jump(0.001)
         now = self.driver.robot().time()
         for host, run in zip(HOSTS, self.driver.box.zones.members()):
-            self.driver.event(self.driver.box.on_robot_report, run.port, host, RobotReport(now, 1, RobotState.STOP))
+            said = RobotReport(now, 1, RobotState.STOP)
+            self.driver.event(self.driver.box.arrivals.on_robot_report, run.port, host, said)
         self.driver.command("start", "all")
 
     def _begin_switches(self) -> None:
@@ -162,10 +163,10 @@ class Play:
         runs = self.driver.box.zones.members()
         self.driver.jump(0.001)
         if not runs:
-            return self._event("tick")
+            return self._event("timers.tick")
         run = self.reader.choice(runs)
         now = self.driver.robot().time()
-        return self._event("on_robot_report", run.port, run.link.host or HOSTS[0], self._read_report(now))
+        return self._event("arrivals.on_robot_report", run.port, run.link.host or HOSTS[0], self._read_report(now))
 
     def _time(self):
         return self.reader.integer(), self.reader.integer()
@@ -173,8 +174,8 @@ class Play:
     def _report_of_anybody(self) -> Step:
         """Any host sends a message with any time. It changes no state while the robot is heard elsewhere."""
         port, host = 6667 + self.reader.byte() % 6, self.reader.choice(HOSTS)
-        say = self._event("on_robot_report", port, host, self._read_report(self._time()))
-        self._event("tick")()
+        say = self._event("arrivals.on_robot_report", port, host, self._read_report(self._time()))
+        self._event("timers.tick")()
         run = self.driver.box.zones.run_at(port)
         link = None if run is None else run.link
         if link is None or link.last_heard is None or link.host == host:
@@ -192,22 +193,22 @@ class Play:
         team = self.reader.choice(TEAMS) if self.reader.flag() else self.reader.text()
         robot = self.reader.choice(("r1", "r2")) if self.reader.flag() else self.reader.text()
         time = self.driver.robot().time() if self.reader.flag() else self._time()
-        return self._event("on_robot_beacon", self.reader.choice(HOSTS), team, robot, time)
+        return self._event("arrivals.on_robot_beacon", self.reader.choice(HOSTS), team, robot, time)
 
     def _tablet(self) -> Step:
         r = self.reader
         said = TabletState(False, self._time(), self._time(), r.double(), r.double())
-        return self._event("on_tablet", r.choice(HOSTS), said)
+        return self._event("arrivals.on_tablet", r.choice(HOSTS), said)
 
     def _network(self) -> Step:
         r = self.reader
         host, port = r.choice(HOSTS), 6667 + r.byte() % 6
         return r.choice((
-            lambda: self._event("on_foreign_box", host),
-            lambda: self._event("on_complaint", r.text()),
-            lambda: self._event("on_unreadable", port, r.text()),
-            lambda: self._event("on_channel_failed", port, "in use"),
-            lambda: self._event("on_trouble", r.text()),
+            lambda: self._event("arrivals.on_foreign_box", host),
+            lambda: self._event("arrivals.on_complaint", r.text()),
+            lambda: self._event("arrivals.on_unreadable", port, r.text()),
+            lambda: self._event("arrivals.on_channel_failed", port, "in use"),
+            lambda: self._event("watches.trouble", r.text()),
         ))()
 
     def _modules(self) -> Step:
@@ -262,17 +263,17 @@ class Play:
     def _pass(self) -> Step:
         """Time passes, and the box only notices now."""
         self.driver.jump(self.reader.choice(_TIMES_S))
-        return self._event("tick")
+        return self._event("timers.tick")
 
     def _set_clock(self) -> Step:
         self.driver.set_clock(self.reader.choice(_CLOCK_STEPS_S))
-        return self._event("tick")
+        return self._event("timers.tick")
 
     def _devices(self) -> Step:
         r = self.reader
         if r.flag():
-            return self._event("on_device_refused", r.choice(ZONES), "dimmer", r.byte(), r.text())
-        return self._event("on_devices", DevicesState((r.byte(), r.byte()), r.flag(), dimmer=r.byte() % 101))
+            return self._event("devices.on_refused", r.choice(ZONES), "dimmer", r.byte(), r.text())
+        return self._event("devices.on_state", DevicesState((r.byte(), r.byte()), r.flag(), dimmer=r.byte() % 101))
 
     def _operation(self) -> Step:
         r = self.reader
@@ -296,8 +297,8 @@ class Play:
     def _save(self) -> None:
         """Save the data that goes into the journal with every change."""
         box = self.driver.box
-        for name in box.take_changed():
-            json.dumps(to_json(box.saved() if name == effects.BOX else box.zones[name].saved()))
+        for name in box.outbox.take_changed():
+            json.dumps(to_json(box.restart.saved() if name == effects.BOX else box.zones[name].saved()))
 
     def _look(self) -> None:
         """Make the messages that are published and sent periodically."""
@@ -308,7 +309,7 @@ class Play:
         assert document.box_status(driver.box, driver.now)
         frame.encode(wire_convert.beacon_message(driver.box.beacon()))
         driver.box.modules.runs()
-        deadline = driver.box.deadline()
+        deadline = driver.box.timers.deadline()
         assert deadline is None or deadline > driver.now.mono - 1e6
 
     def _check(self) -> None:

@@ -185,7 +185,7 @@ def _start(folder: pathlib.Path) -> None:
         driver.box = Box(_CONFIG, Settings(), beacon_bytes, journal.previous.last_port)
         driver._rules.restart()
         saved, _ = saved_state(journal.previous, driver.now, "boot 1")
-        driver.event(driver.box.resume, saved)
+        driver.event(driver.box.restart.resume, saved)
         driver.run(5.0)
         journal.write(Batch(states={"box": {"n": 1}}))
         assert not troubles, troubles

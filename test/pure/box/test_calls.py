@@ -32,7 +32,8 @@ class Recorded:
         self.disk_trouble, self.standby_trouble = "", ""
         self.ticket = TICKET
         box = SimpleNamespace(act=self._event("act"), scores=SimpleNamespace(stop=self._event("stop")),
-                              outcome=lambda target, action, given: ITEM if action == "mark" else {})
+                              entries=SimpleNamespace(
+                                  outcome=lambda target, action, given: ITEM if action == "mark" else {}))
         self.calls = BoxCalls(box, lambda method, *arguments: method(NOW, *arguments), Disks(
             lambda: self.ticket, self._why_not_saved, self._ask_standby, lambda ticket: ""))
 

@@ -247,7 +247,7 @@ def test_the_robot_finds_its_channel_its_port_and_its_state_again(tmp_path):
     assert driver.channels == {robot.port: robot.host}
     assert driver.states[robot.port][-1].state is BoxState.WAITING_RESULT
     assert [listed.port for listed in driver.box.beacon().robots] == [robot.port]
-    assert driver.box.listening_left(driver.now) == 0.0, "robots that wait for their box are not kept waiting"
+    assert driver.box.watches.listening_left(driver.now) == 0.0, "robots that wait for their box are not kept waiting"
     robot.says(notifications=("once",))
     assert driver.logged(robot.port, run_log.NOTIFICATION) == ["once"]
     robot.completes()
@@ -268,8 +268,9 @@ def test_what_was_stale_before_is_stale_after(tmp_path):
 def test_robots_receive_the_same_state_of_devices_and_tablet(tmp_path):
     driver = box(tmp_path)
     devices = DevicesState(bell=(5, 6), switch_2=True, blinds=30)
-    driver.event(driver.box.on_devices, devices)
-    driver.event(driver.box.on_tablet, "10.0.0.9", TabletState(call_time=(7, 8), position_x=1.5, position_time=(9, 1)))
+    driver.event(driver.box.devices.on_state, devices)
+    driver.event(driver.box.arrivals.on_tablet, "10.0.0.9",
+                 TabletState(call_time=(7, 8), position_x=1.5, position_time=(9, 1)))
     before = driver.box.beacon()
     driver.kill()
     assert driver.box.beacon() == before

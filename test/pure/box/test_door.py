@@ -470,9 +470,9 @@ def test_a_robot_that_repeats_itself_is_no_reason_to_look(driver, kept, looks):
 
     says_again()
     assert after(driver, looks, kept, says_again) == 0
-    assert after(driver, looks, kept, lambda: driver.event(driver.box.tick_if_due)) == 0
+    assert after(driver, looks, kept, lambda: driver.event(driver.box.timers.tick_if_due)) == 0
     assert after(driver, looks, kept, lambda: robot.says(messages_saved=7)) == 1
-    assert after(driver, looks, kept, lambda: driver.event(driver.box.on_unreadable, robot.port, "bad")) == 1
+    assert after(driver, looks, kept, lambda: driver.event(driver.box.arrivals.on_unreadable, robot.port, "bad")) == 1
     assert after(driver, looks, kept, lambda: driver.command("stop")) == 1
 
 
@@ -486,6 +486,6 @@ def test_a_robot_that_ignores_stop_is_shown_at_once(driver, kept, looks):
     driver.command("stop")
     robot.says(RobotState.EXECUTING)
     kept.publish()
-    assert driver.box.deadline() <= driver.now.mono + 1.0
+    assert driver.box.timers.deadline() <= driver.now.mono + 1.0
     driver.run(1.0)
     assert any("did not answer STOP" in text for text in kept.publish().zones["tbm"].warnings)

@@ -57,7 +57,7 @@ class Box:
 
     def hear(self, trouble="", is_of_this_box=True):
         report = CopyReport(STANDBY, is_of_this_box, 0.0, 0, trouble)
-        self.driver.event(self.driver.box.on_copy_report, report)
+        self.driver.event(self.driver.box.copies.report, report)
         self.answers.look()
 
     @property
@@ -157,7 +157,8 @@ def test_an_answer_is_newer_than_a_report_from_before_the_first_copy(box):
 
 def test_a_reload_that_ends_it_confirms_what_waits(box):
     answer = box.enter()
-    box.driver.event(box.driver.box.reload, replace(TWO, durable=Durable.ONE), 1, ["durable: two, now one"], "Olga")
+    one = replace(TWO, durable=Durable.ONE)
+    box.driver.event(box.driver.box.reload.take, one, 1, ["durable: two, now one"], "Olga")
     box.loop.run(SYNC_S)
     assert wait(answer) == ""
     assert box.enter() is None
@@ -167,7 +168,7 @@ def test_a_reload_that_ends_it_confirms_what_waits(box):
 def test_an_entry_of_a_box_that_is_superseded_meanwhile_is_not_called_saved(box):
     """No standby of this box will ever have it, and the new box may not."""
     answer = box.enter()
-    box.driver.event(lambda now: box.driver.box.supersede(2, 17, "10.0.0.3"))
+    box.driver.event(lambda now: box.driver.box.authority.supersede(2, 17, "10.0.0.3"))
     box.loop.run(SYNC_S)
     assert wait(answer) == (
         "not confirmed: the box at 10.0.0.3 has taken over, and may not have this entry. Look there, and enter it "

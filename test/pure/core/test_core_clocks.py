@@ -7,7 +7,7 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.robots import RobotId
-from roah_rsbb.core.watches import ClockWatch
+from roah_rsbb.core.timers import ClockWatch
 from roah_rsbb.model import run_log
 from roah_rsbb.model.clock import MAX_READINGS, Now, one_moment
 from roah_rsbb.model.records import EndReason, Phase
@@ -173,7 +173,7 @@ def test_recorded_datagrams_have_no_effect_while_the_robot_lives():
 def test_absurd_times_do_not_harm_the_box_and_pass(time):
     driver = _minute()
     robot = driver.executing()
-    driver.event(driver.box.on_robot_beacon, "10.0.0.5", "Beta", "r2", time)
+    driver.event(driver.box.arrivals.on_robot_beacon, "10.0.0.5", "Beta", "r2", time)
     robot.says(time=time)
     assert driver.view().state
     for _ in range(6):
@@ -281,8 +281,8 @@ def test_what_cannot_be_read_on_the_private_channel_is_before_the_referees_eyes(
     driver.robot().beacon()
     driver.command("connect")
     port = driver.run_in().port
-    driver.event(driver.box.on_unreadable, port, "10.0.0.2 sends what does not decrypt: wrong password?")
-    driver.event(driver.box.on_unreadable, port + 1, "nobody's")
+    driver.event(driver.box.arrivals.on_unreadable, port, "10.0.0.2 sends what does not decrypt: wrong password?")
+    driver.event(driver.box.arrivals.on_unreadable, port + 1, "nobody's")
     assert "10.0.0.2 sends what does not decrypt: wrong password?" in driver.view().state
     assert "nobody's" not in driver.view().state
 
@@ -295,12 +295,13 @@ class Late:
         self._waiting = []
 
     def beacon(self, robot):
-        self._waiting.append((self.driver.box.on_robot_beacon, (robot.host, robot.team, robot.name, robot.time())))
+        said = robot.host, robot.team, robot.name, robot.time()
+        self._waiting.append((self.driver.box.arrivals.on_robot_beacon, said))
         self._stamp()
 
     def says(self, robot, *args, host=None, **fields):
         report = robot.report(*args, **fields)
-        self._waiting.append((self.driver.box.on_robot_report, (robot.port, host or robot.host, report)))
+        self._waiting.append((self.driver.box.arrivals.on_robot_report, (robot.port, host or robot.host, report)))
         self._stamp()
 
     def _stamp(self):
@@ -312,7 +313,7 @@ class Late:
         waiting, self._waiting = self._waiting, []
         for method, arguments in waiting:
             self.driver.event(method, *arguments)
-        self.driver.event(self.driver.box.tick)
+        self.driver.event(self.driver.box.timers.tick)
 
 
 def _connected(code="HGTKMH", **of_event):
@@ -373,7 +374,7 @@ def test_a_box_that_was_stopped_reports_one_silence():
     for _ in range(130):
         driver.jump(0.03)
         late.says(robot)
-    driver.event(driver.box.tick)
+    driver.event(driver.box.timers.tick)
     late.read()
     assert sum("No message" in text for text in driver.notices()) == 1
     assert driver.view().warnings == ()
@@ -428,7 +429,7 @@ def test_the_boxs_own_times_never_go_back():
     driver.jump(0.1)
     late.says(robot, RobotState.RESULT_TX)
     driver.jump(0.5)
-    driver.event(driver.box.tick)
+    driver.event(driver.box.timers.tick)
     did = driver.now.mono
     driver.jump(0.5)
     late.read()
@@ -495,5 +496,5 @@ def test_a_time_to_come_is_none():
     driver, robot, late = _connected()
     before = driver.run_in().link.last_heard
     driver.run(1.0)
-    driver.event(driver.box.on_robot_report, robot.port, robot.host, robot.report(), driver.now.utc + 5.0)
+    driver.event(driver.box.arrivals.on_robot_report, robot.port, robot.host, robot.report(), driver.now.utc + 5.0)
     assert driver.run_in().link.last_heard == driver.now != before

@@ -100,7 +100,7 @@ def test_a_robot_that_went_meanwhile_gets_no_other_port():
     _connect(driver)
     driver.run(40)
     assert driver.box.robots.all(driver.now) == []
-    driver.event(driver.box.on_channel_failed, 6667, "gone")
+    driver.event(driver.box.arrivals.on_channel_failed, 6667, "gone")
     assert driver.run_in() is None
     assert _ports(driver.taken()) == []
 
@@ -110,7 +110,7 @@ def test_news_of_a_channel_that_is_gone_are_none():
     _connect(driver)
     driver.command("disconnect")
     driver.taken()
-    driver.event(driver.box.on_channel_failed, 6667, "late")
+    driver.event(driver.box.arrivals.on_channel_failed, 6667, "late")
     assert driver.taken() == []
 
 
@@ -163,8 +163,8 @@ def test_the_beacon_keeps_to_its_size_whatever_devices_and_tablet_say_later():
     assert 20 <= connected < 60
     assert "The beacon may need" in reasons[0]
     longest = (2**32 - 1, 999_999_999)
-    driver.event(driver.box.on_devices, DevicesState(longest, True, True, True, 100, 100, True))
-    driver.event(driver.box.on_tablet, "10.0.0.3", TabletState(True, longest, longest, 1.0, 2.0))
+    driver.event(driver.box.devices.on_state, DevicesState(longest, True, True, True, 100, 100, True))
+    driver.event(driver.box.arrivals.on_tablet, "10.0.0.3", TabletState(True, longest, longest, 1.0, 2.0))
     assert driver.box.beacon().tablet.call_time == longest
     assert size(driver.box.beacon()) <= 1024
 
@@ -236,7 +236,7 @@ def _restart(driver, saved, last_port, unusable_ports=()):
     """Another core, whose record of used ports ends with `last_port`."""
     again = BoxDriver(_config(), SETTINGS, last_port=last_port)
     again.now, again.unusable_ports = driver.now, unusable_ports
-    again.event(again.box.resume, saved)
+    again.event(again.box.restart.resume, saved)
     return again
 
 

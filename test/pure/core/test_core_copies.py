@@ -12,7 +12,7 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.continuing import Saved
 from roah_rsbb.core.copies import LATE_S, SILENT_S, STANDBY, Copies, CopyReport
-from roah_rsbb.core.effects import Level
+from roah_rsbb.core.effects import Level, Outbox
 from roah_rsbb.core.views import document
 from roah_rsbb.model.actions import ENTRIES
 from roah_rsbb.model.clock import Now
@@ -31,32 +31,46 @@ def report(is_of_this_box=True, behind=0.05, missing=0, trouble=""):
     return CopyReport(STICK, is_of_this_box, behind, missing, trouble)
 
 
+class Logged(Copies):
+    """Copies, and what is logged of them."""
+
+    def __init__(self):
+        self._lines = Outbox()
+        super().__init__(self._lines)
+
+    def logged(self, change, *arguments):
+        """The line after a report, or after another change; None: there is none."""
+        self._lines.take()
+        change(*arguments)
+        return next((line.text for line in self._lines.take()), None)
+
+
 @pytest.fixture
 def copies():
-    copies = Copies()
+    copies = Logged()
     copies.expect(at(0), STICK)
     return copies
 
 
 def test_a_complete_copy_is_no_warning(copies):
     for second in range(20):
-        assert copies.report(at(second), report()) is None
+        assert copies.logged(copies.report, at(second), report()) is None
         assert not copies.warnings(at(second + 0.9))
 
 
 def test_a_missing_stick_is_logged_once_and_shown_until_it_is_complete_again(copies):
     copies.report(at(1), report())
-    logged = [copies.report(at(1 + s), report(behind=s, missing=7000 * s - 1, trouble="no stick"))
+    logged = [copies.logged(copies.report, at(1 + s), report(behind=s, missing=7000 * s - 1, trouble="no stick"))
               for s in range(1, 10)]
     assert [text for text in logged if text is not None] == [
         f"The copy of the journal ({STICK}) is 3 s, 21 kB behind: no stick"]
     assert copies.warnings(at(11)) == [f"The copy of the journal ({STICK}) is 10 s, 63 kB behind: no stick"]
-    assert copies.report(at(12), report()) == ""
+    assert copies.logged(copies.report, at(12), report()) == f"The copy of the journal ({STICK}) is complete again"
     assert not copies.warnings(at(12))
 
 
 def test_a_short_trouble_is_no_warning(copies):
-    assert copies.report(at(1), report(behind=LATE_S - 0.1, trouble="busy")) is None
+    assert copies.logged(copies.report, at(1), report(behind=LATE_S - 0.1, trouble="busy")) is None
     assert not copies.warnings(at(1))
 
 
@@ -83,8 +97,9 @@ def test_a_journal_that_is_not_copied(copies):
 def test_a_node_that_started_again_and_has_copied_nothing_yet(copies):
     """The copy was complete before, and is not because the node runs."""
     copies.report(at(1), report())
-    assert copies.report(at(6), report(behind=math.inf, trouble="no stick")).endswith("is 5 s behind: no stick")
-    assert copies.report(at(7), report(behind=math.inf, missing=7)).endswith(
+    assert copies.logged(copies.report, at(6), report(behind=math.inf, trouble="no stick")).endswith(
+        "is 5 s behind: no stick")
+    assert copies.logged(copies.report, at(7), report(behind=math.inf, missing=7)).endswith(
         "is 6 s, 1 kB behind: the copy is being written. If this lasts, its disk or its connection is too slow")
 
 
@@ -94,7 +109,7 @@ def test_a_slow_stick(copies):
 
 
 def test_a_copy_that_nobody_expects_is_forgotten_when_it_is_silent():
-    copies = Copies()
+    copies = Logged()
     copies.report(at(1), report(trouble="no stick"))
     copies.report(at(5), report(behind=9.0, trouble="no stick"))
     assert "no stick" in copies.warnings(at(5))[0]
@@ -102,18 +117,18 @@ def test_a_copy_that_nobody_expects_is_forgotten_when_it_is_silent():
 
 
 def test_no_copy_is_expected():
-    assert not Copies().warnings(at(100))
+    assert not Logged().warnings(at(100))
 
 
 def test_referees_see_it_and_the_log_has_it():
     driver = BoxDriver()
     driver.box.copies.expect(driver.now, STICK)
-    driver.event(driver.box.on_copy_report, report(behind=50.0, trouble="no stick"))
+    driver.event(driver.box.copies.report, report(behind=50.0, trouble="no stick"))
     driver.run(LATE_S)
     assert any("no stick" in text for text in driver.box.warnings(driver.now))
-    driver.event(driver.box.on_copy_report, report(behind=50.0, trouble="no stick"))
+    driver.event(driver.box.copies.report, report(behind=50.0, trouble="no stick"))
     assert any("no stick" in text for text in driver.notices(Level.ERROR))
-    driver.event(driver.box.on_copy_report, report())
+    driver.event(driver.box.copies.report, report())
     assert not driver.box.warnings(driver.now)
     assert driver.notices(Level.INFO)[-1] == f"The copy of the journal ({STICK}) is complete again"
 
@@ -125,12 +140,12 @@ def test_every_referee_reads_that_the_standby_was_replaced(trouble, warnings):
     driver.box.copies.expect(driver.now, STANDBY)
     notice = "The standby is stranger at 10.0.0.66 now, instead of second at 10.0.0.3"
     said = CopyReport(STANDBY, True, 50.0 if trouble else 0.1, 0, trouble, notice)
-    driver.event(driver.box.on_copy_report, said)
+    driver.event(driver.box.copies.report, said)
     driver.run(LATE_S)
-    driver.event(driver.box.on_copy_report, said)
+    driver.event(driver.box.copies.report, said)
     found = driver.box.warnings(driver.now)
     assert len(found) == warnings and found[-1] == notice
-    driver.event(driver.box.on_copy_report, said._replace(notice=""))
+    driver.event(driver.box.copies.report, said._replace(notice=""))
     assert notice not in driver.box.warnings(driver.now)
 
 
@@ -143,7 +158,7 @@ FULL = "the standby reports: the disk is full. Free space for /far"
 
 @pytest.fixture
 def standby():
-    made = Copies()
+    made = Logged()
     made.expect(at(0), STANDBY)
     made.use(TWO)
     return made
@@ -166,15 +181,15 @@ def test_only_a_connected_standby_is_waited_for(standby, reported, is_worth):
 def test_a_standby_that_does_not_answer_is_waited_for_once(standby):
     standby.report(at(1), of_standby())
     standby.ask(12)
-    assert standby.give_up(at(2), 11) == standby.warnings(at(2))[0]
+    assert standby.logged(standby.give_up, at(2), 11) == standby.warnings(at(2))[0]
     assert standby.warnings(at(2)) == [
         "NOT CONFIRMED: the standby does not have the last entries: the standby did not answer within 2 s. "
         f"{WHAT_TO_DO}"]
-    assert standby.give_up(at(2), 12) is None  # logged already
+    assert standby.logged(standby.give_up, at(2), 12) is None  # logged already
     assert not standby.is_worth_waiting(at(2))
-    assert standby.answer(11) is False
+    assert standby.logged(standby.answer, at(3), 11) is None
     assert standby.warnings(at(2))
-    assert standby.answer(12) is True
+    assert standby.logged(standby.answer, at(3), 12) == "The standby has all entries again"
     assert not standby.warnings(at(2))
     assert standby.is_worth_waiting(at(2))
     assert standby.answered == 12
@@ -186,22 +201,22 @@ def test_a_standby_that_answers_is_connected(standby):
     standby.ask(1)
     standby.give_up(at(1), 1)
     assert not standby.is_worth_waiting(at(1))
-    standby.answer(1)
+    standby.answer(at(1), 1)
     assert standby.is_worth_waiting(at(1))
 
 
 def test_late_and_doubled_answers_are_no_news(standby):
     standby.report(at(1), of_standby())
     standby.ask(2)
-    assert standby.answer(2) is False
-    assert standby.answer(1) is False
-    assert standby.give_up(at(1), 2) is None
+    assert standby.logged(standby.answer, at(1), 2) is None
+    assert standby.logged(standby.answer, at(1), 1) is None
+    assert standby.logged(standby.give_up, at(1), 2) is None
     assert not standby.warnings(at(1))
 
 
 def test_answers_that_nobody_asked_for_do_not_count(standby):
     """A node may still have questions for the core before its restart."""
-    standby.answer(1000)
+    standby.answer(at(1), 1000)
     standby.ask(1)
     standby.give_up(at(1), 1)
     assert standby.warnings(at(1))
@@ -213,13 +228,13 @@ def test_answers_that_nobody_asked_for_do_not_count(standby):
 def test_each_reason_is_one_line_with_what_to_do(standby, why):
     """Also before anything is entered, so that a referee knows it."""
     line = f"NOT CONFIRMED: the standby does not have the last entries: {why}. {WHAT_TO_DO}"
-    assert standby.report(at(4), of_standby(why, behind=4.0)) == line
+    assert standby.logged(standby.report, at(4), of_standby(why, behind=4.0)) == line
     assert standby.warnings(at(4)) == [line]
     standby.ask(1)
     standby.give_up(at(5), 1)
     assert standby.warnings(at(5)) == [line]
-    assert standby.report(at(6), of_standby()) == ""
-    standby.answer(1)
+    assert standby.logged(standby.report, at(6), of_standby()) == "The copy of the journal (standby) is complete again"
+    standby.answer(at(1), 1)
     assert not standby.warnings(at(6))
 
 
@@ -234,13 +249,13 @@ def test_a_reload_ends_it(standby):
 
 def test_two_copies_need_a_standby():
     driver = BoxDriver(competition(tbm=["HWV"]))
-    assert driver.box.reload_off(TWO) == [
+    assert driver.box.reload.off(TWO) == [
         "schedule.yaml:7: 'durable: two' needs a standby: start the box with standby_port:=8083, or delete this line"]
     driver.box.copies.expect(driver.now, STANDBY)
-    assert driver.box.reload_off(TWO) == []
-    driver.event(driver.box.reload, TWO, 1, ["durable: one, now two"], "Olga")
+    assert driver.box.reload.off(TWO) == []
+    driver.event(driver.box.reload.take, TWO, 1, ["durable: one, now two"], "Olga")
     assert driver.box.copies.are_two
-    driver.event(driver.box.reload, replace(TWO, durable=Durable.ONE), 2, ["durable: two, now one"], "Olga")
+    driver.event(driver.box.reload.take, replace(TWO, durable=Durable.ONE), 2, ["durable: two, now one"], "Olga")
     assert not driver.box.copies.are_two
 
 
@@ -253,19 +268,19 @@ MARK = {"group": "Achievements", "desc": "Detects the door", "value": 1, "id": "
 def driver():
     made = BoxDriver()
     made.executing()
-    made.event(lambda now: made.box.supersede(2, 17, HOST))
+    made.event(lambda now: made.box.authority.supersede(2, 17, HOST))
     return made
 
 
 def test_it_is_recorded_once(driver):
-    driver.event(lambda now: driver.box.supersede(3, 18, HOST))
+    driver.event(lambda now: driver.box.authority.supersede(3, 18, HOST))
     assert driver.taken(effects.Superseded) == [effects.Superseded(2, 17, HOST)]
 
 
 def test_every_panel_shows_it(driver):
     (warning,) = driver.box.warnings(driver.now)
     assert warning.startswith(f"This box is superseded: the box at {HOST}")
-    assert driver.box.superseded_by == HOST
+    assert driver.box.authority.superseded_by == HOST
     assert document.box_status(driver.box, driver.now) == warning
     assert all(driver.off(command) == [warning] for command in COMMANDS)
 
@@ -276,7 +291,7 @@ def test_panels_offer_no_command_any_more():
     driver.executing()
     shown = document.ZoneViews(driver.box)
     assert any(view.is_on("stop") for view in shown.look(driver.now).values())
-    driver.event(lambda now: driver.box.supersede(2, 17, HOST))
+    driver.event(lambda now: driver.box.authority.supersede(2, 17, HOST))
     assert all(view.off(command) for view in shown.look(driver.now).values() for command in COMMANDS)
 
 
@@ -291,7 +306,7 @@ def test_every_command_is_refused(driver, command):
       for name in ENTRIES],
     lambda box, now: box.scores.stop(now, RUN, "who"),
     lambda box, now: box.act(now, Target("tbm"), "operation"),
-    lambda box, now: box.reload(now, None, 2, ()),
+    lambda box, now: box.reload.take(now, None, 2, ()),
 ], ids=(*ENTRIES, "stop", "operation", "reload"))
 def test_scores_are_refused(driver, call):
     """They would be lost: the other box does not have them."""
@@ -305,9 +320,9 @@ def test_the_runs_do_not_continue(driver):
     """Neither does a run time out, nor is anything sent."""
     state = driver.box_state()
     driver.effects.clear()
-    assert driver.box.deadline() is None
+    assert driver.box.timers.deadline() is None
     driver.jump(10_000.0)
-    driver.event(driver.box.tick)
+    driver.event(driver.box.timers.tick)
     assert driver.box_state() == state
     assert driver.effects == []
 
@@ -317,9 +332,9 @@ def test_after_a_restart_it_says_where_its_runs_continue(by, where):
     first, second = BoxDriver(), BoxDriver()
     first.executing()
     if by:
-        second.box.stay_superseded(by)
-    second.event(second.box.resume, Saved(
-        second.now.utc, first.box.saved(), {name: zone.saved() for name, zone in first.box.zones.items()}))
+        second.box.authority.stay_superseded(by)
+    second.event(second.box.restart.resume, Saved(
+        second.now.utc, first.box.restart.saved(), {name: zone.saved() for name, zone in first.box.zones.items()}))
     assert second.run_in().state.log.endswith(f": the run continues{where}\n")
     outages = second.run_in().record(second.now).outages
     assert (outages == ()) is bool(by), "on the box that took over, there was none"
@@ -328,12 +343,12 @@ def test_after_a_restart_it_says_where_its_runs_continue(by, where):
 def test_after_a_restart_it_is_not_recorded_again():
     driver = BoxDriver()
     driver.effects.clear()
-    driver.box.stay_superseded(HOST)
-    driver.event(driver.box.tick)
-    assert driver.effects == [] and driver.box.is_superseded
+    driver.box.authority.stay_superseded(HOST)
+    driver.event(driver.box.timers.tick)
+    assert driver.effects == [] and driver.box.authority.is_superseded
 
 
 def test_it_does_not_ask_for_a_copy_of_its_own_journal(driver):
     driver.effects.clear()
-    driver.event(driver.box.on_copy_report, CopyReport(STANDBY, True, 60.0, 7, "the standby is not connected"))
+    driver.event(driver.box.copies.report, CopyReport(STANDBY, True, 60.0, 7, "the standby is not connected"))
     assert driver.notices() == []

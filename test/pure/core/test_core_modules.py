@@ -54,7 +54,7 @@ def test_a_run_whose_module_is_gone_is_held_and_its_clocks_stand():
 def test_a_box_that_notices_late_holds_from_when_the_module_was_gone():
     driver, modules, _ = started()
     driver.jump(100.0)
-    driver.event(driver.box.tick)
+    driver.event(driver.box.timers.tick)
     assert driver.run_in().clock.left(driver.now) == pytest.approx(598.0)
 
 

@@ -100,8 +100,8 @@ class _Kept:
         self._check_document(now)
         assert self._schedule.look(now) == schedule(box, now)
         coming = document.coming_events(box)
-        assert box.revision != self._revision or coming == self._coming
-        self._revision, self._coming = box.revision, coming
+        assert box.outbox.revision != self._revision or coming == self._coming
+        self._revision, self._coming = box.outbox.revision, coming
         runs = [zone.run for zone in box.zones.values() if zone.run is not None]
         members = [member for run in runs for member in run.members()]
         assert box.zones.runs() == runs and box.zones.members() == members
@@ -153,9 +153,9 @@ def test_what_is_kept_of_a_run_in_progress_is_what_would_be_found_now():
     for act in (
         lambda: robot.says(after=0.05), lambda: robot.says(messages_saved=2), lambda: robot.says(notifications=("a",)),
         lambda: setattr(robot, "skew", 5.0), robot.says, lambda: robot.lives(3), lambda: driver.run(4.0), robot.says,
-        lambda: driver.event(driver.box.on_unreadable, robot.port, "bad"), lambda: driver.run(20.0),
+        lambda: driver.event(driver.box.arrivals.on_unreadable, robot.port, "bad"), lambda: driver.run(20.0),
         lambda: driver.score("Penalized", "bumps", 1), lambda: robot.says(RobotState.PREPARING), robot.executes,
-        lambda: driver.event(driver.box.reload, competition(tbm=["HGTKMH", "HWV"], other=other), 1, ["all"]),
+        lambda: driver.event(driver.box.reload.take, competition(tbm=["HGTKMH", "HWV"], other=other), 1, ["all"]),
         lambda: driver.command("stop"), lambda: driver.run(1.0), robot.says, lambda: driver.command("disconnect"),
         robot.beacon, lambda: driver.mark(name, Mark("Penalized", "bumps", 3)),
         lambda: driver.enter("sign_off", name, "Ada"), *[lambda: driver.run(7.0)] * 15,
@@ -270,7 +270,7 @@ class _Side:
 
     def deadline(self):
         self._forget()
-        return self.driver.box.deadline()
+        return self.driver.box.timers.deadline()
 
     def _forget(self):
         """Have the box look at all runs at the next report, as if it never remembered when one is due."""
@@ -285,7 +285,7 @@ class _Side:
         elif kind == "beacon":
             self.robots[what[0]].beacon()
         elif kind == "failed":
-            driver.event(driver.box.on_channel_failed, what[0], "in use")
+            driver.event(driver.box.arrivals.on_channel_failed, what[0], "in use")
         elif kind == "command":
             try:
                 driver.command(*reversed(what))
@@ -355,7 +355,7 @@ def test_a_run_that_moved_to_another_port_is_looked_at_again():
     driver.command("connect", "b")
     driver.run(10.0)
     stuck.send(stuck.last)
-    driver.event(driver.box.on_channel_failed, driver.run_in("b").port, "in use")
+    driver.event(driver.box.arrivals.on_channel_failed, driver.run_in("b").port, "in use")
     driver.taken()
     driver.jump(3.5)
     stuck.send(stuck.last)

@@ -33,7 +33,7 @@ def day(**of_first):
 def reload(driver, config, version=1, before=None):
     """Take this configuration."""
     listed = changes(before, config) if before is not None else ["something"]
-    driver.event(driver.box.reload, config, version, listed, "Olga")
+    driver.event(driver.box.reload.take, config, version, listed, "Olga")
 
 
 def codes(driver, zone="tbm"):
@@ -73,7 +73,7 @@ def changed_while_off(driver, config):
     states = {name: zone.saved() for name, zone in before.zones.items()}
     plans = tuple(ZonePlan(name, zone.planned) for name, zone in before.zones.items())
     records = before.scores.records(driver.now)
-    box.resume(driver.now, Saved(driver.now.utc, before.saved(), states, records, planned=plans))
+    box.restart.resume(driver.now, Saved(driver.now.utc, before.restart.saved(), states, records, planned=plans))
     return box
 
 
@@ -112,7 +112,7 @@ def test_a_zone_with_a_run_cannot_be_removed():
     driver.connected("tbm")
     driver.taken()
     config = competition(old=["STB"])
-    assert driver.box.reload_off(config) == [
+    assert driver.box.reload.off(config) == [
         "zone 'tbm' is no longer in the schedule, but a run of HGTKMH is connected in it: disconnect it first"]
     with pytest.raises(Refused):
         reload(driver, config)
@@ -259,7 +259,7 @@ def test_another_team_or_benchmark_at_an_event_has_no_runs_yet(before, after):
     second = attempt(driver)
     assert (first.event, second.event) == ("x", "x")
     assert [ruling.why for ruling in rulings([first, second], {})] == [Why.COUNTS, Why.COUNTS]
-    assert [(key.benchmark, key.team) for key in driver.box.ran()] == [
+    assert [(key.benchmark, key.team) for key in driver.box.reload.ran()] == [
         (record.benchmark, record.team) for record in (second, first)]
 
 
@@ -333,7 +333,7 @@ def test_an_event_that_was_removed_and_is_written_again_has_its_runs():
     reload(driver, competition(tbm=[with_id("y", run=2)]))
     again = dataclasses.replace(event(rules=TWICE), id="other", id_goes=object())
     read = competition(tbm=[with_id("y", run=2), again])
-    zones = adopted(read.zones, competition(tbm=[with_id("y", run=2)]).zones, driver.box.ran())
+    zones = adopted(read.zones, competition(tbm=[with_id("y", run=2)]).zones, driver.box.reload.ran())
     reload(driver, dataclasses.replace(read, zones=zones))
     assert [e.id for e in driver.box.zones["tbm"].events] == ["y", "x"]
     moved = dataclasses.replace(driver.box.zones["tbm"].events[1], scheduled=UTC0 + HOUR)

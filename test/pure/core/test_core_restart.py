@@ -93,7 +93,7 @@ def facts(value, path, found):
 
 
 def all_facts(box):
-    parts = {"zones": box.zones, "finished": box.finished, "devices": box.devices, "tablet": box.tablet.state}
+    parts = {"zones": box.zones, "finished": box.finished, "devices": box.devices.state, "tablet": box.tablet.state}
     found = {}
     facts(parts, "", found)
     return found
@@ -105,7 +105,7 @@ def restarted(driver):
     zones = {name: _again(ZoneState, zone.saved()) for name, zone in box.zones.items()}
     records = tuple(_again(RunRecord, record) for record in reversed(box.scores.records(driver.now)))
     other = Box(driver.config, driver.settings, beacon_bytes)
-    other.resume(driver.now, Saved(driver.now.utc, _again(BoxSaved, box.saved()), zones, records))
+    other.restart.resume(driver.now, Saved(driver.now.utc, _again(BoxSaved, box.restart.saved()), zones, records))
     return other
 
 
@@ -218,8 +218,8 @@ _EVENTS = st.one_of(
     st.sampled_from([
         ("act", Target("omf"), "switch", "", {"number": 2}), ("act", Target("omf"), "damaged", "", {"number": 1}),
         ("act", Target("omf"), "confirm_switches"),
-        ("on_devices", DevicesState((5, 6), True, blinds=30)),
-        ("on_tablet", "10.0.0.99", TabletState(False, (7, 8), (9, 1), 1.5, -2.5)),
+        ("devices.on_state", DevicesState((5, 6), True, blinds=30)),
+        ("arrivals.on_tablet", "10.0.0.99", TabletState(False, (7, 8), (9, 1), 1.5, -2.5)),
     ]),
 )
 _ACTS = st.one_of(
@@ -251,7 +251,7 @@ def test_a_restart_after_any_event_of_random_competitions_loses_nothing(acts):
             getattr(random, act)(*arguments)
         except Refused:
             continue
-        driver.event(driver.box.tick)
+        driver.event(driver.box.timers.tick)
         expected = all_facts(driver.box)
         assert without_the_restart(all_facts(restarted(driver))) == expected
 
@@ -319,10 +319,10 @@ def test_a_state_that_the_version_before_wrote_is_continued(old, boot):
     }
     records = tuple(from_json(RunRecord, record) for record in old["outcomes"])
     box = Box(_config(), SETTINGS, beacon_bytes)
-    box.resume(now, Saved(now.utc, from_json(BoxSaved, old["states"]["box"]), zones, records))
+    box.restart.resume(now, Saved(now.utc, from_json(BoxSaved, old["states"]["box"]), zones, records))
     expected = with_forms({name: state for name, state in old["states"].items() if name != "box"})
     found = {f"zone:{name}": to_json(zone.saved()) for name, zone in box.zones.items()}
-    assert to_json(box.saved()) == old["states"]["box"]
+    assert to_json(box.restart.saved()) == old["states"]["box"]
     for run in box.zones.runs():
         assert "The box was restarted at" in run.log
         saved = found[f"zone:{run.zone}"][_part(run)]
@@ -355,7 +355,7 @@ def test_after_a_restart_a_robot_has_time_to_be_heard_again():
     driver.run(2)
     box = restarted(driver)
     now = driver.now.later(9.0)
-    box.tick(now)
+    box.timers.tick(now)
     assert box.warnings_of(now, "tbm")[-1] == "No message from the robot for 10 s"
     now = driver.now.later(10.0)
     assert box.warnings_of(now, "tbm")[-1].startswith("The robot has disappeared: no message for 10 s")
@@ -370,7 +370,7 @@ def test_a_restart_takes_the_place_of_no_warning_of_a_zone_and_only_a_run_in_pro
     driver.command("stop", "fbm")
     box = restarted(driver)
     now = driver.now.later(10.0)
-    box.tick(now)
+    box.timers.tick(now)
     restart = box.warnings(now)
     assert [text.partition(" at ")[0] for text in restart] == ["The box was restarted"]
     assert [text.partition(":")[0] for text in box.warnings_of(now, "tbm")] == [
@@ -385,6 +385,6 @@ def test_a_replay_does_not_know_whether_beacons_arrived():
     driver.executing()
     state = driver.box.zones["tbm"].saved()
     replay = Box(competition(tbm=["HGTKMH"]), driver.settings, beacon_bytes)
-    replay.begin_replay("a run")
-    replay.show(driver.now, "tbm", state)
+    replay.restart.begin_replay("a run")
+    replay.restart.show(driver.now, "tbm", state)
     assert replay.warnings_of(driver.now.later(60.0), "tbm") == ["No message from the robot for 60 s"]

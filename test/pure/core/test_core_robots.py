@@ -384,4 +384,5 @@ class _Forger:
         host = self._dice.choice(["10.0.0.2", "10.0.0.66", f"10.0.1.{self._dice.randrange(250)}"])
         skew = self._dice.choice([0.0, 0.09, 0.15, -0.3, 5.0, -60.0, 3600.0])
         box, now = self._world.box, self._world.box.now
-        box.event(box.box.on_robot_beacon, host, "Alpha", "r1", divmod(round((now.utc + skew) * 1e6) * 1000, 10**9))
+        time = divmod(round((now.utc + skew) * 1e6) * 1000, 10**9)
+        box.event(box.box.arrivals.on_robot_beacon, host, "Alpha", "r1", time)

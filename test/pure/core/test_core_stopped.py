@@ -44,9 +44,9 @@ class NextBox(BoxDriver):
     def _begin(self, listening):
         before = self._before
         self.now = before.now.later(self._down)
-        state = Saved(before.now.utc, before.box.saved(), {n: z.saved() for n, z in before.box.zones.items()},
+        state = Saved(before.now.utc, before.box.restart.saved(), {n: z.saved() for n, z in before.box.zones.items()},
                       tuple(before.box.scores.records(before.now)), **self._saved)
-        self.event(self.box.resume, state)
+        self.event(self.box.restart.resume, state)
 
     def _carry_out(self, effect):
         super()._carry_out(effect)
@@ -240,10 +240,10 @@ def test_the_next_restart_knows_that_the_referee_has_not_decided():
 def test_a_standby_that_may_have_taken_over_may_have_stopped_the_robot(code, state, has_copy):
     """A robot that hears both boxes obeys both, as the original ones do."""
     driver, robot, _ = saved_in(code, state)
-    driver.event(driver.box.on_copy_report, CopyReport(STANDBY, True, 0.1, 0, ""))
+    driver.event(driver.box.copies.report, CopyReport(STANDBY, True, 0.1, 0, ""))
     robot.says(RobotState.PREPARING if state is BoxState.PREPARE else RobotState.EXECUTING)
     robot.lives(REPLACED_S)
-    driver.event(driver.box.on_copy_report, CopyReport(STANDBY, True, 0.1 if has_copy else REPLACED_S, 0, ""))
+    driver.event(driver.box.copies.report, CopyReport(STANDBY, True, 0.1 if has_copy else REPLACED_S, 0, ""))
     robot.says(RobotState.STOP)
     robot.lives(10.0)
     run, = driver.run_in().members()

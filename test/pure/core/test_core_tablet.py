@@ -34,7 +34,7 @@ class Driven(BoxDriver):
     def hear(self, beacon, host=HOST, after=0.0):
         if after:
             self.run(after)
-        self.event(self.box.on_tablet, host, beacon)
+        self.event(self.box.arrivals.on_tablet, host, beacon)
 
     @property
     def shown(self):

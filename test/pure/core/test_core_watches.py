@@ -5,7 +5,7 @@ import pytest
 from helpers.box_driver import BoxDriver, wire
 from helpers.competition import competition
 from roah_rsbb.core import effects
-from roah_rsbb.core.effects import AnotherBox, Level
+from roah_rsbb.core.effects import AnotherBox, Level, Outbox
 from roah_rsbb.core.robots import MAX_NAME, MAX_STRANGERS, ActiveRobot, RobotId, Squatter
 from roah_rsbb.core.runs.reported import StringsBudget
 from roah_rsbb.core.settings import Settings
@@ -24,11 +24,22 @@ from roah_rsbb.model.document import RobotSeen
 from roah_rsbb.protocol import RobotState
 
 
+class Logged(Watches):
+    """Warnings, and what is logged of them."""
+
+    def __init__(self):
+        self._lines = Outbox()
+        super().__init__(5.0, self._lines)
+
+    def new(self, note, now):
+        """The line after something was noted; None: it is not new."""
+        note(self, now)
+        return next((line.text for line in self._lines.take()), None)
+
+
 @pytest.fixture
 def watches():
-    watches = Watches(listen_duration=5.0)
-    watches.start(at(0))
-    return watches
+    return Logged()
 
 
 def at(mono):
@@ -36,10 +47,9 @@ def at(mono):
 
 
 def test_the_box_listens_for_a_while_from_its_first_moment_on():
-    watches = Watches(listen_duration=5.0)
+    watches = Logged()
     assert watches.listening_left(at(100)) == 5.0
     watches.start(at(100))
-    watches.start(at(102))
     assert [watches.listening_left(at(t)) for t in (100, 102, 105, 200)] == [5.0, 3.0, 0.0, 0.0]
 
 
@@ -68,17 +78,17 @@ CASES = [
 
 @pytest.mark.parametrize("note, text, remembered", CASES)
 def test_a_warning_is_new_once_and_stays_a_while_after_its_last_cause(watches, note, text, remembered):
-    first = note(watches, at(10))
+    first = watches.new(note, at(10))
     assert text in first
-    assert note(watches, at(10 + remembered / 2)) is None
+    assert watches.new(note, at(10 + remembered / 2)) is None
     assert watches.warnings(at(10 + 1.5 * remembered)) == [first]
     assert watches.warnings(at(10 + 1.5 * remembered + 0.1)) == []
-    assert note(watches, at(10 + 2 * remembered)) == first
+    assert watches.new(note, at(10 + 2 * remembered)) == first
 
 
 def test_a_step_of_the_clock_is_reported_each_time(watches):
-    assert "set by +3.000 s" in watches.clock_stepped(at(10), 3.0)
-    second = watches.clock_stepped(at(11), -0.5)
+    assert "set by +3.000 s" in watches.new(lambda w, now: w.clock_stepped(now, 3.0), at(10))
+    second = watches.new(lambda w, now: w.clock_stepped(now, -0.5), at(11))
     assert watches.warnings(at(11 + CLOCK_REMEMBER_S)) == [second]
     assert watches.warnings(at(12 + CLOCK_REMEMBER_S)) == []
 
@@ -91,26 +101,26 @@ def test_the_last_complaint_stays_a_while(watches):
 
 
 @pytest.mark.parametrize("flood", [
-    lambda w, i: w.rivals(at(10), rivals("A", f"r{i}", at(10))),
-    lambda w, i: w.foreign_box(at(10), f"10.0.{i // 256}.{i % 256}"),
-    lambda w, i: w.trouble(at(10), f"trouble {i}"),
+    lambda i: lambda w, now: w.rivals(now, rivals("A", f"r{i}", now)),
+    lambda i: lambda w, now: w.foreign_box(now, f"10.0.{i // 256}.{i % 256}"),
+    lambda i: lambda w, now: w.trouble(now, f"trouble {i}"),
 ])
 def test_a_flood_of_one_kind_is_bounded_hides_no_other_kind_and_passes(watches, flood):
-    reported = [flood(watches, i) for i in range(1000)]
+    reported = [watches.new(flood(i), at(10)) for i in range(1000)]
     assert sum(text is not None for text in reported) == MAX_KEPT
     assert len(watches.warnings(at(10))) == MAX_KEPT
-    others = [note for note, _, _ in CASES if note(watches, at(10)) is not None]
+    others = [note for note, _, _ in CASES if watches.new(note, at(10)) is not None]
     assert len(others) >= len(CASES) - 1
-    assert flood(watches, 5000) is None
+    assert watches.new(flood(5000), at(10)) is None
     later = at(11 + TROUBLE_REMEMBER_S)
-    assert watches.trouble(later, "something new") == "something new"
+    assert watches.new(lambda w, now: w.trouble(now, "something new"), later) == "something new"
     assert watches.warnings(later) == ["something new"]
 
 
 def hears_another(driver, seconds=1, host="10.0.0.99"):
     """Another box, or somebody who forges its beacons, is heard each second."""
     for _ in range(seconds):
-        driver.event(driver.box.on_foreign_box, host)
+        driver.event(driver.box.arrivals.on_foreign_box, host)
         driver.run(1)
 
 
@@ -127,10 +137,10 @@ def test_a_box_that_hears_another_one_at_first_names_it_and_waits_for_a_referee(
     taken = driver.taken()
     assert [effect.text for effect in taken if isinstance(effect, effects.Notice)] == [HELD]
     assert {effect.host for effect in taken if isinstance(effect, AnotherBox)} == {"10.0.0.99"}
-    assert driver.box.is_held
+    assert driver.box.watches.held_by
     assert document.box_status(driver.box, driver.now) == HELD
     driver.run(1000)
-    assert driver.box.is_held, "a pause of the network must not make two boxes transmit"
+    assert driver.box.watches.held_by, "a pause of the network must not make two boxes transmit"
     assert document.box_status(driver.box, driver.now) == HELD
 
 
@@ -141,10 +151,10 @@ def test_a_forged_beacon_of_a_box_prevents_no_run():
     robot.beacon()
     assert driver.off("connect") == []
     driver.command("connect")
-    assert not driver.box.is_held
+    assert not driver.box.watches.held_by
     robot.port = driver.run_in().port
     hears_another(driver, 2)
-    assert not driver.box.is_held
+    assert not driver.box.watches.held_by
     assert document.box_status(driver.box, driver.now) == (
         "ANOTHER RSBB is transmitting from 10.0.0.99, and robots obey both: stop it, or take that computer off the "
         "network")
@@ -169,7 +179,7 @@ def test_a_box_that_hears_another_one_later_warns_every_referee_and_continues(af
     robot = driver.executing("a")
     driver.taken()
     for _ in range(5):
-        driver.event(driver.box.on_foreign_box, "10.0.0.99")
+        driver.event(driver.box.arrivals.on_foreign_box, "10.0.0.99")
         driver.run(1)
     taken = driver.taken(AnotherBox, effects.Notice)
     assert not any(isinstance(effect, AnotherBox) for effect in taken)
@@ -187,10 +197,10 @@ def test_a_box_that_hears_another_one_later_warns_every_referee_and_continues(af
 def test_a_box_with_take_over_starts_beside_another_one():
     driver = BoxDriver(settings=Settings(take_over=True), listening=True)
     for _ in range(10):
-        driver.event(driver.box.on_foreign_box, "10.0.0.99")
+        driver.event(driver.box.arrivals.on_foreign_box, "10.0.0.99")
         driver.run(1)
     assert driver.taken(AnotherBox) == []
-    assert not driver.box.is_held
+    assert not driver.box.watches.held_by
     driver.robot().beacon()
     assert driver.off("connect") == []
     assert "ANOTHER RSBB is transmitting from 10.0.0.99" in document.box_status(driver.box, driver.now)
@@ -200,7 +210,7 @@ def test_a_host_with_too_many_robots_is_reported_and_another_teams_robot_is_conn
     driver = BoxDriver()
     driver.taken()
     for i in range(250):
-        driver.event(driver.box.on_robot_beacon, "10.0.0.66", "Beta", f"ghost {i}", (0, 0))
+        driver.event(driver.box.arrivals.on_robot_beacon, "10.0.0.66", "Beta", f"ghost {i}", (0, 0))
         driver.run(0.04)
     assert any("10.0.0.66 announces at least 25 robots, the last of team Beta" in text
                for text in driver.notices(Level.WARNING))
@@ -213,7 +223,7 @@ def test_a_robot_that_the_box_cannot_reach_is_not_connected():
     robot = driver.robot()
 
     def beacon(host, has_route):
-        driver.event(driver.box.on_robot_beacon, host, robot.team, robot.name, robot.time(), None, has_route)
+        driver.event(driver.box.arrivals.on_robot_beacon, host, robot.team, robot.name, robot.time(), None, has_route)
 
     beacon("10.2.0.7", False)
     (why,) = driver.off("connect")
@@ -324,7 +334,7 @@ def test_a_flood_of_robots_is_bounded_and_the_run_continues():
     robot = driver.executing("a")
     driver.taken()
     for i in range(1000):
-        driver.event(driver.box.on_robot_beacon, f"10.1.{i // 250}.{i % 250}", f"Team {i}", "x", (2**62, -i))
+        driver.event(driver.box.arrivals.on_robot_beacon, f"10.1.{i // 250}.{i % 250}", f"Team {i}", "x", (2**62, -i))
         if i % 100 == 0:
             robot.says()
     assert len(document.robots(driver.box, driver.now)) == 1 + MAX_STRANGERS
@@ -344,14 +354,14 @@ def test_a_flood_of_robots_is_bounded_and_the_run_continues():
 def test_names_that_no_robot_has_are_reported_and_not_listed(team, name, is_listed):
     driver = BoxDriver()
     driver.taken()
-    driver.event(driver.box.on_robot_beacon, "10.0.0.5", team, name, (0, 0))
+    driver.event(driver.box.arrivals.on_robot_beacon, "10.0.0.5", team, name, (0, 0))
     ignored = ["Beacons from 10.0.0.5 are ignored: too many robots, or the name is empty or too long"]
     assert (driver.notices() == ignored, bool(document.robots(driver.box, driver.now))) == (not is_listed, is_listed)
 
 
 def test_complaints_of_the_public_channel_are_shown_for_a_while():
     driver = BoxDriver()
-    driver.event(driver.box.on_complaint, "10.0.0.9 sends frames of version 1")
+    driver.event(driver.box.arrivals.on_complaint, "10.0.0.9 sends frames of version 1")
     assert driver.notices(Level.WARNING)[-1] == "10.0.0.9 sends frames of version 1"
     assert document.box_status(driver.box, driver.now) == "10.0.0.9 sends frames of version 1"
     driver.run(11)
@@ -362,11 +372,11 @@ def test_trouble_of_this_computer_is_reported_once():
     driver = BoxDriver()
     driver.taken()
     for _ in range(3):
-        driver.event(driver.box.on_trouble, "the disk is full: free it")
+        driver.event(driver.box.watches.trouble, "the disk is full: free it")
     assert driver.notices(Level.ERROR) == ["the disk is full: free it"]
     assert document.box_status(driver.box, driver.now) == "the disk is full: free it"
-    driver.event(driver.box.on_trouble, "another trouble")
-    driver.event(driver.box.on_repaired, "the disk is full: free it", "all is written")
+    driver.event(driver.box.watches.trouble, "another trouble")
+    driver.event(driver.box.watches.repaired, "the disk is full: free it", "all is written")
     assert driver.notices(Level.INFO)[-1] == "all is written"
     assert driver.box.watches.warnings(driver.now) == ["another trouble"]
 
@@ -378,9 +388,9 @@ def test_a_copy_of_what_the_robot_said_changes_nothing_and_is_reported_if_it_com
     driver.taken()
     for _ in range(5):
         driver.run(0.1)
-        driver.event(driver.box.on_robot_copy, robot.port, "10.0.0.66")
-        driver.event(driver.box.on_robot_copy, robot.port, robot.host)
-    driver.event(driver.box.on_robot_copy, 9999, "10.0.0.66")
+        driver.event(driver.box.arrivals.on_robot_copy, robot.port, "10.0.0.66")
+        driver.event(driver.box.arrivals.on_robot_copy, robot.port, robot.host)
+    driver.event(driver.box.arrivals.on_robot_copy, 9999, "10.0.0.66")
     reported, = driver.notices(Level.WARNING)
     assert reported.startswith("Messages for this run also come from 10.0.0.66")
     assert driver.run_in().link.sample(driver.now, 0).duplicates == 10
@@ -391,7 +401,7 @@ def test_a_robot_whose_messages_are_not_read_is_reported():
     robot = driver.executing()
     driver.taken()
     for _ in range(9):
-        driver.event(driver.box.on_robot_overload, robot.port, 100)
+        driver.event(driver.box.arrivals.on_robot_overload, robot.port, 100)
         driver.run(1)
     first, = (text for text in driver.notices(Level.WARNING) if "sends too much" in text)
     assert first.startswith("Robot sends too much: 0 new strings were not logged, 100 messages were not read")

@@ -33,15 +33,15 @@ def _round(driver, number):
                 driver.robot().time(), i, RobotState(i % 4), texts, (name * 1000,), visitor=("v" * 20_000 + name,),
                 generic_result=name * 1000, dimmer=i,
             )
-            driver.event(box.on_robot_report, run.port, HOSTS[i % len(HOSTS)], report)
-            driver.event(box.on_unreadable, run.port, f"bad {name}")
+            driver.event(box.arrivals.on_robot_report, run.port, HOSTS[i % len(HOSTS)], report)
+            driver.event(box.arrivals.on_unreadable, run.port, f"bad {name}")
         host = f"10.{number}.{i}.1"
-        driver.event(box.on_robot_beacon, host, f"Team {name}", "r", (i, number))
-        driver.event(box.on_tablet, host, TabletState(False, (i, number), (i, number), float(i), 0.0))
-        driver.event(box.on_foreign_box, host)
-        driver.event(box.on_complaint, f"complaint {name}" * 20)
-        driver.event(box.on_trouble, f"trouble {name}" * 100)
-        driver.event(box.on_device_refused, "catering", f"device {name}", i, name)
+        driver.event(box.arrivals.on_robot_beacon, host, f"Team {name}", "r", (i, number))
+        driver.event(box.arrivals.on_tablet, host, TabletState(False, (i, number), (i, number), float(i), 0.0))
+        driver.event(box.arrivals.on_foreign_box, host)
+        driver.event(box.arrivals.on_complaint, f"complaint {name}" * 20)
+        driver.event(box.watches.trouble, f"trouble {name}" * 100)
+        driver.event(box.devices.on_refused, "catering", f"device {name}", i, name)
         driver.event(box.modules.on_modules, ModulesState(f"node {name}", (ModuleInfo("HOPF", (name * 50,)),)))
         _progress(driver, name)
         with contextlib.suppress(Refused):

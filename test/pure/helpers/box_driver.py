@@ -78,7 +78,7 @@ class BoxDriver:
         self._begin(listening)
 
     def _begin(self, listening):
-        self.event(self.box.tick)
+        self.event(self.box.timers.tick)
         if not listening:
             self.run(self.settings.listen_duration)
 
@@ -88,16 +88,16 @@ class BoxDriver:
         """Advance the time, and let the box do what is due."""
         end = self.now.later(seconds)
         for _ in range(10_000):
-            deadline = self.box.deadline()
+            deadline = self.box.timers.deadline()
             if deadline is None or deadline > end.mono:
                 break
             passed = max(0.0, deadline - self.now.mono)
             self.now = Now(self.now.mono if passed == 0.0 else deadline, self.now.utc + passed)
-            self.event(self.box.tick)
+            self.event(self.box.timers.tick)
         else:
             raise AssertionError("the box wants to be ticked all the time")
         self.now = end
-        self.event(self.box.tick)
+        self.event(self.box.timers.tick)
 
     def jump(self, seconds):
         """Advance the time without ticks, as on a busy computer."""
@@ -201,7 +201,7 @@ class BoxDriver:
         return [value for topic, value in self.bags[port] if topic in topics]
 
     def _take_effects(self):
-        return self.box.take_effects()
+        return self.box.outbox.take()
 
     # -- hands ----------------------------------------------------------------------------------------
 
@@ -210,7 +210,7 @@ class BoxDriver:
         self._rules.see(effect)
         if isinstance(effect, effects.OpenChannel):
             if effect.port in self.unusable_ports:
-                self.box.on_channel_failed(self.now, effect.port, "Address already in use")
+                self.box.arrivals.on_channel_failed(self.now, effect.port, "Address already in use")
             else:
                 self.channels[effect.port] = effect.host
         elif isinstance(effect, effects.AimChannel):
@@ -337,7 +337,7 @@ class FakeRobot:
         for i in range(count):
             if i:
                 self.driver.run(1.0)
-            self.driver.event(self.driver.box.on_robot_beacon, self.host, self.team, self.name, self.time())
+            self.driver.event(self.driver.box.arrivals.on_robot_beacon, self.host, self.team, self.name, self.time())
 
     def report(self, state=None, **fields):
         """Return a report as the robot would send it now."""
@@ -346,7 +346,7 @@ class FakeRobot:
 
     def send(self, report):
         """Send this very report (again), on the private channel."""
-        self.driver.event(self.driver.box.on_robot_report, self.port, self.host, report)
+        self.driver.event(self.driver.box.arrivals.on_robot_report, self.port, self.host, report)
 
     def says(self, state=None, after=0.001, **fields):
         """Send a new report, `after` seconds from now."""

@@ -50,7 +50,7 @@ class JournaledDriver(BoxDriver):
         self.core_journal = journal.CoreJournal(self.box, self.journal)
         saved, warnings = journal.saved_state(self.journal.previous, self.now, self.boot, lambda boot: self.ahead)
         self.troubles += [*self.journal.warnings, *warnings]
-        self.event(self.box.resume, saved._replace(earlier=dict(earlier)))
+        self.event(self.box.restart.resume, saved._replace(earlier=dict(earlier)))
 
     def _take_effects(self):
         todo = super()._take_effects()

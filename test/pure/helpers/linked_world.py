@@ -182,7 +182,7 @@ class World:
         return True
 
     def _next_due(self):
-        due = [self._beacon_due, self.box.box.deadline(), *(s.deadline for s in self.box.senders.values())]
+        due = [self._beacon_due, self.box.box.timers.deadline(), *(s.deadline for s in self.box.senders.values())]
         due += [one.deadline() for one in (*self.robots, *self.companions)]
         due += [self._air[0][0]] if self._air else []
         return min(time for time in due if time is not None)
@@ -195,7 +195,7 @@ class World:
         while self._air and self._air[0][0] <= self.mono:
             _, _, deliver, arguments = heapq.heappop(self._air)
             deliver(*arguments)
-        self.box.event(self.box.box.tick)
+        self.box.event(self.box.box.timers.tick)
         if self._beacon_due <= self.mono:
             self._beacon_due = self.mono + BEACON_PERIOD_S
             self.box.effects.append(effects.SendBeacon())
@@ -245,7 +245,7 @@ class World:
         if port == PUBLIC_PORT:
             message = decode_public(datagram)
             time = wire_convert.time_of(message.time)
-            self.box.event(box.on_robot_beacon, host, message.team_name, message.robot_name, time)
+            self.box.event(box.arrivals.on_robot_beacon, host, message.team_name, message.robot_name, time)
             return
         run = box.zones.run_at(port)
         if run is None:
@@ -254,7 +254,7 @@ class World:
         assert isinstance(message, pb.RobotState)
         report = wire_convert.report_of(message)
         before = self._moved(run)
-        self.box.event(box.on_robot_report, port, host, report)
+        self.box.event(box.arrivals.on_robot_report, port, host, report)
         if wire_ns(report.time) <= self._newest.get(port, -1):
             self.stale += 1
             assert self.clocks_are_set or self._moved(run) == before, "a stale message moved something"

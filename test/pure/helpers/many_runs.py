@@ -59,7 +59,7 @@ class _Competition:
 
     def play(self):
         """Conduct all runs; returns the journal's path."""
-        self._event(self._box.tick)
+        self._event(self._box.timers.tick)
         for number in range(self._rounds):
             self._round(number)
         path = self._journal.path
@@ -71,7 +71,7 @@ class _Competition:
         """Conduct a run in each zone at the same time."""
         began = self._now
         for i, team in enumerate(self._teams):
-            self._event(self._box.on_robot_beacon, f"10.0.1.{i + 1}", team, "robot", self._wire_now())
+            self._event(self._box.arrivals.on_robot_beacon, f"10.0.1.{i + 1}", team, "robot", self._wire_now())
         self._pass_time(1.0)
         scheduled = START.utc + SLOT_S * number  # a zone whose robot completed its task is there already
         self._command("next", [name for name, zone in self._box.zones.items() if zone.event.scheduled < scheduled])
@@ -111,7 +111,7 @@ class _Competition:
         host = f"10.0.1.{1 + self._teams.index(run.robot.team)}"
         notifications = (f"at waypoint {self._random.randrange(3)}",) if state is RobotState.EXECUTING else ()
         report = RobotReport(self._wire_now(), messages_saved=1, state=state, notifications=notifications)
-        self._event(self._box.on_robot_report, run.port, host, report)
+        self._event(self._box.arrivals.on_robot_report, run.port, host, report)
 
     def _mark(self, zones):
         for name in zones:
@@ -136,7 +136,7 @@ class _Competition:
 
     def _event(self, method, *arguments):
         method(self._now, *arguments)
-        todo = self._box.take_effects()
+        todo = self._box.outbox.take()
         if todo:
             self._core_journal.record(self._now, todo)
 
@@ -146,7 +146,7 @@ class _Competition:
 
     def _pass_time(self, seconds):
         self._now = self._now.later(seconds)
-        self._event(self._box.tick)
+        self._event(self._box.timers.tick)
 
     def _wire_now(self):
         return divmod(round(self._now.utc * 1e6) * 1000, 1_000_000_000)

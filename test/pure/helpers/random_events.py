@@ -56,11 +56,12 @@ def random_events(draw):
         command = draw(st.sampled_from(sorted(COMMANDS)))
         return "act", (Target(zone), command, "", given_with(command, draw(st.sampled_from([*TEAMS, ""]))))
     if kind == "report":
-        return "on_robot_report", (
+        return "arrivals.on_robot_report", (
             draw(PORTS), draw(HOSTS), draw(_reports(st.none() | st.tuples(INT64, INT64))), draw(WAITED))
     if kind == "beacon":
         team, robot = draw(NAMES), draw(st.sampled_from(["r1", "r2"]))
-        return "on_robot_beacon", (draw(HOSTS), team, robot, draw(st.none() | st.tuples(INT64, INT64)), draw(WAITED))
+        time = draw(st.none() | st.tuples(INT64, INT64))
+        return "arrivals.on_robot_beacon", (draw(HOSTS), team, robot, time, draw(WAITED))
     if kind == "score":
         return draw(_scores(zone))
     if kind == "pass":
@@ -68,12 +69,14 @@ def random_events(draw):
     if kind == "set":
         return "set", (draw(st.sampled_from([-1e9, -1.0, 1.0, 1e9])),)
     return draw(st.sampled_from([
-        ("on_foreign_box", ("10.0.0.9",)), ("on_complaint", ("bad",)), ("on_unreadable", (6667, "bad")),
-        ("on_trouble", ("bad",)), ("on_channel_failed", (6667, "in use")), ("on_devices", (DevicesState(dimmer=5),)),
-        ("on_tablet", ("10.0.0.3", TabletState(True, (2**63 - 1, -1), (-(2**63), 0), float("nan"), float("inf")))),
-        ("on_tablet", ("10.0.0.4", TabletState(False, (5, 0), (7, 999_999_999), 1.5, -2.5))),
+        ("watches.trouble", ("bad",)), ("devices.on_state", (DevicesState(dimmer=5),)),
+        ("arrivals.on_complaint", ("bad",)), ("arrivals.on_unreadable", (6667, "bad")),
+        ("arrivals.on_foreign_box", ("10.0.0.9",)), ("arrivals.on_channel_failed", (6667, "in use")),
+        ("arrivals.on_tablet", (
+            "10.0.0.3", TabletState(True, (2**63 - 1, -1), (-(2**63), 0), float("nan"), float("inf")))),
+        ("arrivals.on_tablet", ("10.0.0.4", TabletState(False, (5, 0), (7, 999_999_999), 1.5, -2.5))),
         ("act", (Target(zone), "operation")), ("act", (Target(zone), "confirm_switches")),
-        ("act", (Target(zone), "switch", "", {"number": 1})), ("tick", ()),
+        ("act", (Target(zone), "switch", "", {"number": 1})), ("timers.tick", ()),
     ]))
 
 
@@ -95,11 +98,11 @@ def apply_event(driver, name, arguments):
         driver.set_clock(*arguments)
         return
     now = driver.robot().time()
-    if name == "on_robot_report":
+    if name == "arrivals.on_robot_report":
         port, host, report, waited = arguments
         report = report._replace(time=now if report.time is None else report.time)
         arguments = (port, host, report, driver.now.utc - waited)
-    elif name == "on_robot_beacon":
+    elif name == "arrivals.on_robot_beacon":
         arguments = (*arguments[:3], now if arguments[3] is None else arguments[3], driver.now.utc - arguments[4])
     try:
         if name == "enter":

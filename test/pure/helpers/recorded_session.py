@@ -65,13 +65,13 @@ class Replay:
             self.modules.proceed()
         self._note(self.ours, driver.now.mono - MONO0 - 10)
         mono = MONO0 + 10 + time
-        deadline = driver.box.deadline()
+        deadline = driver.box.timers.deadline()
         if deadline is not None and driver.now.mono < deadline <= mono:
             driver.now = Now(deadline, self._utc0 + deadline - MONO0 - 10)
-            driver.event(driver.box.tick)
+            driver.event(driver.box.timers.tick)
             self._note(self.ours, deadline - MONO0 - 10)
         driver.now = Now(mono, self._utc0 + time)
-        driver.event(driver.box.tick)
+        driver.event(driver.box.timers.tick)
 
     def _note(self, states, time, state=None):
         if state is None and self.driver.run_in() is None:
@@ -98,9 +98,9 @@ class Replay:
                 self._note(self.originals, time, BoxState(message.benchmark_state))
         elif isinstance(message, pb.RobotBeacon):
             time = wire_convert.time_of(message.time)
-            driver.event(driver.box.on_robot_beacon, host, message.team_name, message.robot_name, time)
+            driver.event(driver.box.arrivals.on_robot_beacon, host, message.team_name, message.robot_name, time)
         elif isinstance(message, pb.RobotState) and self.port is not None:
-            driver.event(driver.box.on_robot_report, self.port, host, wire_convert.report_of(message))
+            driver.event(driver.box.arrivals.on_robot_report, self.port, host, wire_convert.report_of(message))
 
 
 def goals_of(name):

@@ -114,8 +114,8 @@ class Twin(NetworkDriver):
         now, zones = self.now(), self.box.zones.values()
         states = [to_json(zone.saved()) for zone in zones]
         seen, self.seen = self.seen, []
-        return (now, seen, self._documents.look(now), states, self.box.link_samples(now, self.radio.unreadable()),
-                self.box.deadline() is None)
+        return (now, seen, self._documents.look(now), states, self.box.zones.link_samples(now, self.radio.unreadable()),
+                self.box.timers.deadline() is None)
 
 
 class _Robot:

@@ -46,7 +46,7 @@ def test_a_held_box_sends_no_beacon_until_a_robot_is_connected():
     passes(10.0)
     robot_says()
     assert heard == []
-    assert box.is_held
+    assert box.watches.held_by
     driver.event(box.act, Target("tbm"), "connect")
     passes(0.5)
     assert set(heard) == {(pb.RoahRsbbBeacon, BOX)}

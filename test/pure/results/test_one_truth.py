@@ -127,7 +127,7 @@ class Organised:
             self.events = before
             return
         self.version += 1
-        self.driver.event(self.driver.box.reload, config, self.version, ["moved"], "Olga")
+        self.driver.event(self.driver.box.reload.take, config, self.version, ["moved"], "Olga")
 
     def _restart(self):
         if all(zone.run is None for zone in self.driver.box.zones.values()):

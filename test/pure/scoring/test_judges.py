@@ -126,7 +126,7 @@ def test_what_a_judge_sends_again_is_no_error_and_opens_nothing(jury, ended):
         jury.sign_off()
     before = to_json(jury.record())
     jury.driver.enter("judge_mark", jury.name, **again)
-    assert jury.driver.box.outcome(Target(*jury.name), "judge_mark", again) == {
+    assert jury.driver.box.entries.outcome(Target(*jury.name), "judge_mark", again) == {
         "number": 1, "value": 2, "not_attempted": False, "text": ""}
     if ended == "signed off":
         jury.submit("Ann")

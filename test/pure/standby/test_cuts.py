@@ -170,7 +170,7 @@ class World:
     def report(self):
         progress = self.follower.progress
         behind_s = 0.0 if progress.complete_mono is None else self.mono - progress.complete_mono
-        self.driver.event(self.box.on_copy_report, CopyReport(
+        self.driver.event(self.box.copies.report, CopyReport(
             STANDBY, True, behind_s, progress.missing_bytes, progress.trouble))
         self.answers.look()
         self.robot.saved += 1
@@ -187,7 +187,7 @@ class World:
         try:
             self.driver.mark(self.run, mark, "Anna")
         except Refused as refused:
-            assert self.box.is_superseded, refused.reasons
+            assert self.box.authority.is_superseded, refused.reasons
             return
         self.entered[number] = self.mono
         if self.burns_after_mark:
@@ -220,7 +220,7 @@ class World:
         try:
             box = Box(self.config, NO_LISTENING, beacon_bytes, journal.previous.last_port)
             saved, warnings = core_journal.saved_state(journal.previous, now, "boot 2")
-            box.resume(now, saved)
+            box.restart.resume(now, saved)
         finally:
             journal.close()
         assert not warnings and not any(troubles)
@@ -255,7 +255,7 @@ class World:
         if answer is not None:
             self.say(answer)
         if side is Side.BOX and claim.state is State.SUPERSEDED:
-            self.driver.event(lambda now: self.box.supersede(word.epoch, word.cut, "10.0.0.3"))
+            self.driver.event(lambda now: self.box.authority.supersede(word.epoch, word.cut, "10.0.0.3"))
 
 
 def pass_with_interruptions(world, seconds):
@@ -283,7 +283,7 @@ def lose_box(world, how):
     world.pass_time(max(0.0, world.hangs_until - world.mono) if how == "hangs" else world.random.uniform(0.0, 5.0))
     world.is_hanging = world.is_cut = False
     world.pass_time(3.0)
-    assert world.box.is_superseded
+    assert world.box.authority.is_superseded
     assert world.claims[Side.STANDBY].state is State.ACTIVE
     return value
 

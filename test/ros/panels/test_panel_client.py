@@ -128,7 +128,7 @@ class TestReplay(CoreCase):
         zone = self.core.zones["Home A"]
         zone.command("connect")
         zone.command("start")
-        self.core.box.begin_replay("a run")
+        self.core.box.restart.begin_replay("a run")
         overview, scoring = self.open(OverviewPanel), self.open(ScoringPanel)
         wait_until(lambda: overview.head.text() == "▶ RUNNING: Home A" and scoring.rows, "the run is shown")
         reason = "This is a replay: commands have no effect"

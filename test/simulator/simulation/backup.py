@@ -74,7 +74,7 @@ class Backup:
                             progress.missing_bytes, progress.trouble)
 
         def take():
-            core.event(core.box.on_copy_report, report)
+            core.event(core.box.copies.report, report)
             core.standby.look()
         self._at_core(core, take)
 

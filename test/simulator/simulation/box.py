@@ -127,7 +127,7 @@ class Box:
 
     def _tick(self, process, core, number):
         process.loop.call_later(TICK_S, self._tick, process, core, number + 1)
-        core.event(core.box.tick_if_due)
+        core.event(core.box.timers.tick_if_due)
         core.unsaved()
         if number % TICKS_A_SECOND == 0:
             core.each_second()

@@ -216,7 +216,7 @@ class Ledger:
     def _check_refusal(self, core, act, run, reasons):
         if not all(reasons):
             self._fail("refusal without a reason", f"{act.name} {act.zone}")
-        if core.box.is_superseded or run is None:
+        if core.box.authority.is_superseded or run is None:
             return
         if act.name == "stop" and run.phase is Phase.RUNNING:
             self._fail("STOP", f"refused for {run.identity}: {reasons}")

@@ -143,7 +143,7 @@ class Oracles:
                 self._killed_at = now
             self._is_other_clock = self._is_other_clock or power
             self._world.ledger.lost(box.storage.kept_until(self._killed_at, power), keeps_stop=lambda at: not power)
-        if core is None or power or core.store.committed < core.journal._ticket or core.box.is_superseded:
+        if core is None or power or core.store.committed < core.journal._ticket or core.box.authority.is_superseded:
             return
         self._before[box] = {zone.name: _lasting(to_json(zone.saved())) for zone in core.box.zones.values()}
 
@@ -160,7 +160,7 @@ class Oracles:
 
     def resumed(self, box, core):
         """A core continues."""
-        if box in self._superseded and not core.box.is_superseded:
+        if box in self._superseded and not core.box.authority.is_superseded:
             self.fail("superseded", f"{box.computer.name} is not any more after its restart")
         if box is not self._world.box:
             return
@@ -184,7 +184,7 @@ class Oracles:
         if world.standby is not None:
             world.standby.look()
         for box in world.boxes:
-            if box.core is not None and box.core.box.is_superseded and not box.storage.is_in_trouble and (
+            if box.core is not None and box.core.box.authority.is_superseded and not box.storage.is_in_trouble and (
                     not box.process.is_busy(world.scheduler.now)):
                 self._superseded.add(box)
         if core is None:

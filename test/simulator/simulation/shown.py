@@ -27,7 +27,7 @@ class Shown:
     def look(self, core, document):
         """The box has a new document."""
         world, ledger = self._world, self._world.ledger
-        if core.box.is_superseded:
+        if core.box.authority.is_superseded:
             if not document.box.superseded_by:
                 self._fail("shown", "a box that is superseded does not say so")
             return

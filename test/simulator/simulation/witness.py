@@ -283,7 +283,7 @@ class Witness:
             if not is_busy:
                 self._check_robot(robot, now)
         is_due = has_runs and not is_busy and now > self.busy_until + PERIOD_S and now - ledger.resumed > PERIOD_S
-        if is_due and now - self.beacon_at > PERIOD_S and not core.box.is_superseded:
+        if is_due and now - self.beacon_at > PERIOD_S and not core.box.authority.is_superseded:
             self._fail("beacon", f"there is none since {self.beacon_at:.2f}")
 
     def _is_relayed(self, robot):
@@ -300,11 +300,11 @@ class Witness:
         world, port, sent = self._world, member.port, self.sent[member.port]
         self._check_heard(member)
         seen = member.robot_state
-        is_new = seen is not None and seen is not self._seen.get(port) and not core.box.is_superseded
+        is_new = seen is not None and seen is not self._seen.get(port) and not core.box.authority.is_superseded
         if is_new and now - self._world.ledger.resumed > 2 * LOOK_S:
             self._check_seen(port, seen, now)
         self._seen[port] = seen
-        if core.box.is_superseded or seen is None:
+        if core.box.authority.is_superseded or seen is None:
             return
         resumed, most = self._world.ledger.resumed, RESUMED_S
         if believed.phase is Phase.RUNNING and believed.went < resumed:  # the box first hears what the robot does

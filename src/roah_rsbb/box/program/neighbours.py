@@ -161,11 +161,11 @@ class ControlledDevices:
             self.home.set(wish.device, wish.value)
         except BadSetting as error:
             assert self._game is not None, "robots are heard after the start"
-            self._game.event(self._game.box.on_device_refused, wish.zone, wish.device, wish.value, str(error))
+            self._game.event(self._game.box.devices.on_refused, wish.zone, wish.device, wish.value, str(error))
 
     def _on_state(self, home: Home) -> None:
         assert self._game is not None, "it was started"
-        self._game.event(self._game.box.on_devices, devices_state(home))
+        self._game.event(self._game.box.devices.on_state, devices_state(home))
         for follow in self._follow_state:
             follow(home)
 
@@ -175,7 +175,7 @@ class ControlledDevices:
 
     def _on_status(self, connected: bool, text: str) -> None:
         assert self._game is not None, "it was started"
-        self._game.event(self._game.box.on_devices_status, connected, text)
+        self._game.event(self._game.box.devices.on_status, connected, text)
         for follow in self._follow_status:
             follow(connected, text)
 
@@ -345,7 +345,7 @@ class CopyCalls:
             place, journal == self._game.store.identity,
             math.inf if behind_s is None else max(0.0, _checked(found, "behind_s", (int, float))), missing,
             *(decode(found[name]) if found.get(name) else "" for name in ("trouble", "notice")))
-        self._game.event(self._game.box.on_copy_report, report)
+        self._game.event(self._game.box.copies.report, report)
         self._game.standby.look()
 
     def _copied(self, found: Mapping[str, Any], _caller: Caller) -> None:

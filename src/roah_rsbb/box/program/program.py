@@ -161,7 +161,7 @@ class BoxProgram:
         self._copies = CopyCalls(self.uuid, game, self.door)
         self.door.add_calls(self._copies.named())
         for warning in self._configuration.notices:
-            self.event(self.box.on_notice, warning)
+            self.event(self.box.watches.notice, warning)
         self._check_log_dir()
         game.expect_copies(params.copies)
         self.web = WebParts(loop, settings, self.door, lifeline, make_peer, bridge.address)
@@ -240,7 +240,7 @@ class BoxProgram:
         """End everything. Runs continue with the next start."""
         self.lifeline.end()  # whatever follows, it is no core that hangs
         running = [zone.zone for zone in self.door.document.zones.values() if zone.phase == RUNNING]
-        if running and not self.box.is_superseded:
+        if running and not self.box.authority.is_superseded:
             _log.warning("The box ends during a run in %s: its robot is not stopped, and the run continues when the "
                          "box is started again", ", ".join(running))
         files, self._door_files = self._door_files, []  # none is written any more
@@ -305,7 +305,7 @@ class BoxProgram:
         """Warn referees when the process is gone that starts this box again after a crash."""
         while os.getppid() == pid:
             await asyncio.sleep(LOOK_S)
-        self.event(self.box.on_trouble, UNWATCHED)
+        self.event(self.box.watches.trouble, UNWATCHED)
 
     async def _keep_copying(self) -> None:
         """Copy the journal; of a box with a supervisor, that one does."""
@@ -332,7 +332,7 @@ class BoxProgram:
     def _check_log_dir(self) -> None:
         problem, log_dir = self.game.run_logs.check(), self._params.log_dir
         if problem:
-            self.event(self.box.on_trouble, problem)
+            self.event(self.box.watches.trouble, problem)
         elif os.stat(log_dir).st_mode & stat.S_IRWXO:
             _log.warning("%s: other users of this computer can read log_dir; remedy: chmod -R o= %s",
                          log_dir, shlex.quote(log_dir))
@@ -340,7 +340,7 @@ class BoxProgram:
     def _tick(self) -> None:
         now_mono, period_s = on_grid(self.loop.time()), self._period_s()
         self.loop.call_at(now_mono + period_s, self._tick)
-        self.event(self.box.tick_if_due)
+        self.event(self.box.timers.tick_if_due)
         self.lifeline.send()
         todo: List[Callable[[], object]] = [*self._look()]
         if now_mono > self._journal_due_mono - period_s / 2:

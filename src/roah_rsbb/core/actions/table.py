@@ -8,6 +8,7 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tup
 
 from roah_rsbb.core.actions import modules, runs
 from roah_rsbb.core.actions.base import Given, Parts, ZoneAction
+from roah_rsbb.core.authority import Authority
 from roah_rsbb.core.connections import Candidates, Connections
 from roah_rsbb.core.desks import CommandRecord, JudgeDesk, ScoreDesk
 from roah_rsbb.core.effects import Outbox
@@ -48,10 +49,11 @@ class Actions:
 
     def __init__(
         self, candidates: Candidates, connections: Connections, scores: ScoreDesk, zones: Zones, record: CommandRecord,
-        outbox: Outbox,
+        authority: Authority, outbox: Outbox,
     ) -> None:
         self._zones = zones
         self._record = record
+        self._authority = authority
         self._outbox = outbox
         kinds = {kind.name: kind for kind in KINDS}
         parts = Parts(candidates, connections, scores)
@@ -68,13 +70,13 @@ class Actions:
 
     def off(self, now: Now, zone: Zone, name: str) -> List[str]:
         """Return every reason why the button of an action is off now; empty: it is on."""
-        if self._record.closed:
-            return [self._record.closed]
+        if self._authority.closed:
+            return [self._authority.closed]
         return self._all[name].off(now, zone, self._nothing[name])
 
     def shown(self, now: Now, zone: Zone) -> Dict[str, Shown]:
         """Return what faces show of all actions, in their order. It is made ten times a second for each zone."""
-        closed = (self._record.closed,) if self._record.closed else ()
+        closed = (self._authority.closed,) if self._authority.closed else ()
         kept = self._without_run if zone.run is None and not closed else NOTHING
         return {
             name: kept.get(name) or Shown(

@@ -65,15 +65,15 @@ def box_state(
         tablet=TabletSeen(
             box.tablet.heard is not None, _silent_since(box.tablet.heard, now), tablet.display_map,
             wire_seconds(tablet.call_time), wire_seconds(tablet.position_time), tablet.position_x, tablet.position_y),
-        superseded_by=box.superseded_by,
+        superseded_by=box.authority.superseded_by,
         unsaved=tuple(unsaved),
     )
 
 
 def box_status(box: Box, now: Now) -> str:
     """Return the box's state in one line: OK, what it is doing, or its warnings."""
-    left = box.listening_left(now)
-    if left > 0 and not box.is_held:
+    left = box.watches.listening_left(now)
+    if left > 0 and not box.watches.held_by:
         return LISTENS(time=f"{left:.0f}")
     return joined(box.warnings(now)) or "OK"
 
@@ -125,7 +125,8 @@ class ZoneViews:
         may have changed. `log_files`: path of each run's log by its port."""
         before, self._kept = self._kept, {}
         box = self._box
-        idle = (active, box.revision, int(now.mono), box.listening_left(now) > 0.0, box.is_held, box.is_superseded)
+        idle = (active, box.outbox.revision, int(now.mono), box.watches.listening_left(now) > 0.0,
+                box.watches.held_by, box.authority.is_superseded)
         if active is None or not self._idle or self._idle[0] is not active or self._idle[1:] != idle[1:]:
             self._idle = idle
         found: Dict[str, ZoneSeen] = {}
@@ -144,7 +145,8 @@ class ZoneViews:
                 self._kept[zone.name] = before
                 return before[1]
         elif type(run) is Run and run.phase is Phase.RUNNING:
-            made_of = self._box.revision_of(zone.name), self._box.warnings_of(now, zone.name), self._box.is_superseded
+            made_of = (self._box.outbox.revision_of(zone.name), self._box.warnings_of(now, zone.name),
+                       self._box.authority.is_superseded)
         robot = _robot(run, now, None if last is None else last.robot)
         log_file = "" if robot is None else log_files.get(robot.port, "")
         if before is not None and last is not None and made_of is not None and before[0] == made_of:
@@ -353,7 +355,7 @@ class Documents:
         """Return the document of this moment. `log_files`: path of each run's log by its port; `unsaved`: what is not
         on the disk yet."""
         box, last = self._box, self.last
-        revision, events = box.revision, self._schedule.look(now)
+        revision, events = box.outbox.revision, self._schedule.look(now)
         heard = _kept(last.robots, robots(box, now, last.robots))
         ended = {parts.identity for parts in unsaved if parts.stops}
         zones = _kept(last.zones, {

@@ -100,7 +100,7 @@ class PublicViews:
 
     def others(self, now: Now) -> Public:
         """Return what the public may see besides."""
-        return Public(self._publicity.results.value, self._following(), self._ranking(now), self._box.time_zone)
+        return Public(self._publicity.results.value, self._following(), self._ranking(now), self._box.reload.time_zone)
 
     def _following(self) -> Tuple[PublicEvent, ...]:
         """Return the coming events. Events whose run is connected or was completed, or whose team withdrew or did not
@@ -120,7 +120,7 @@ class PublicViews:
         finished = self._box.finished
         ruled = self._box.scores.rulings(now)
         runs = tuple((r.record.identity, r.why, r.record.end_reason, r.record.sign_off is None) for r in ruled)
-        made_of = runs, finished.ranking, finished.benchmarks, self._box.time_zone
+        made_of = runs, finished.ranking, finished.benchmarks, self._box.reload.time_zone
         if self._ranked != made_of:
             self._ranked = made_of
             self._standings = self._publicity.ranked(

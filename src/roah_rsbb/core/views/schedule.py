@@ -80,7 +80,7 @@ class ScheduleView:
 
     def look(self, now: Now) -> List[EventLine]:
         """Return what `schedule` returns."""
-        revision = self._box.revision
+        revision = self._box.outbox.revision
         if self._made_of is None or self._made_of[0] != revision:
             self._times = sorted(event.scheduled for zone in self._box.zones.values() for event in zone.events)
         # Time changes estimates at a scheduled time, and at each whole minute.

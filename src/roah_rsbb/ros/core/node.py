@@ -111,12 +111,12 @@ class RosBridge(Bridge):
         for wish in self._wishes.values():
             program.set_device(wish)
         if self._is_warned:
-            program.event(program.box.on_repaired, NO_MASTER, MASTER_ANSWERS)
+            program.event(program.box.watches.repaired, NO_MASTER, MASTER_ANSWERS)
 
     def _warn(self, program: BoxProgram) -> None:
         if self._ros is None:
             self._is_warned = True
-            program.event(program.box.on_trouble, NO_MASTER)
+            program.event(program.box.watches.trouble, NO_MASTER)
 
 
 def _exit() -> None:

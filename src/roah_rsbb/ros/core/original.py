@@ -41,10 +41,10 @@ class ToPublic:
 
     def message(self, now: Now) -> CoreToPublic:
         """Return the message of this moment. A box that is superseded has no schedule."""
-        if self._box.is_superseded:
+        if self._box.authority.is_superseded:
             return CoreToPublic(clock=NOT_LIVE)
-        if self._revision != self._box.revision:
-            self._revision = self._box.revision
+        if self._revision != self._box.outbox.revision:
+            self._revision = self._box.outbox.revision
             self._lines = [
                 ScheduleInfo(
                     line.event.team, line.event.benchmark.desc, line.event.round, line.event.run,

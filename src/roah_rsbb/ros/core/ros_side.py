@@ -230,10 +230,10 @@ class DevicesNode:
 
     def _on_state(self, message: DevicesState) -> None:
         devices = devices_of(message)
-        self._ros.post(lambda: self._event(self._box.on_devices, devices))
+        self._ros.post(lambda: self._event(self._box.devices.on_state, devices))
 
     def _on_status(self, message: DevicesStatus) -> None:
-        self._ros.post(lambda: self._event(self._box.on_devices_status, message.connected, message.text))
+        self._ros.post(lambda: self._event(self._box.devices.on_status, message.connected, message.text))
 
     def _on_refused(self, wish: SetDevice, reason: str) -> None:
-        self._ros.post(lambda: self._event(self._box.on_device_refused, wish.zone, wish.device, wish.value, reason))
+        self._ros.post(lambda: self._event(self._box.devices.on_refused, wish.zone, wish.device, wish.value, reason))

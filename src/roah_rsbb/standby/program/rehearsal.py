@@ -16,7 +16,7 @@ import time
 from typing import Iterator, List, NamedTuple, Tuple
 
 from roah_rsbb.client.places import OWN_VARIABLE
-from roah_rsbb.core.box import SUPERSEDED
+from roah_rsbb.core.authority import SUPERSEDED
 from roah_rsbb.ground import linux
 from roah_rsbb.ground.arguments import is_without_ros, typed, without_ros
 

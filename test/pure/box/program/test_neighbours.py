@@ -19,7 +19,7 @@ def box():
     """A box whose events, answers and questions are noted."""
     noted = SimpleNamespace(events=[], looks=[], answers=[], asked=[])
     core = SimpleNamespace(
-        store=SimpleNamespace(identity="own"), box=SimpleNamespace(on_copy_report="report"),
+        store=SimpleNamespace(identity="own"), box=SimpleNamespace(copies=SimpleNamespace(report="report")),
         event=lambda method, report: noted.events.append(report),
         standby=SimpleNamespace(look=lambda: noted.looks.append(1), on_answer=noted.answers.append))
     door = SimpleNamespace(ask=lambda *call: noted.asked.append(call))

@@ -183,7 +183,7 @@ def test_start_needs_an_answer_of_the_robot():
     assert _refused(driver, "start") == ["Robot has not answered on the private channel yet"]
     driver.run(10)
     assert _refused(driver, "start") == ["Robot has not answered on the private channel yet"]
-    driver.event(driver.box.on_unreadable, driver.run_in().port, "10.0.0.2: wrong password?")
+    driver.event(driver.box.arrivals.on_unreadable, driver.run_in().port, "10.0.0.2: wrong password?")
     assert _refused(driver, "start") == [
         "Robot has not answered on the private channel yet", "10.0.0.2: wrong password?"
     ]

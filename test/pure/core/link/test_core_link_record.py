@@ -364,14 +364,14 @@ def test_a_sample_is_kept_as_little_text(line):
 
 def test_the_box_takes_samples_of_all_runs():
     driver = BoxDriver()
-    assert driver.box.link_samples(driver.now, {}) == ()
+    assert driver.box.zones.link_samples(driver.now, {}) == ()
     robot = driver.executing()
-    [(port, sample)] = driver.box.link_samples(driver.now, {robot.port: 2, 1: 5})
+    [(port, sample)] = driver.box.zones.link_samples(driver.now, {robot.port: 2, 1: 5})
     assert (port, sample.unreadable, sample.host) == (robot.port, 2, robot.host)
     assert sample.answers == 2, "to PREPARE and to WAITING_RESULT"
     driver.command("stop")
     robot.says(RobotState.STOP, after=0.2)
-    [(_, sample)] = driver.box.link_samples(driver.now, {})
+    [(_, sample)] = driver.box.zones.link_samples(driver.now, {})
     assert (sample.answers, sample.round_trip_s) == (1, pytest.approx(0.2))
 
 
@@ -410,7 +410,7 @@ class CountingWorld(World):
                 if second == 8 and robot.session.link is not None:
                     robot.session.add_string("notifications", f"at {self.mono}")
                 self.run(1.0)
-                self.samples += [sample for _, sample in self.box.box.link_samples(self.box.now, {})]
+                self.samples += [sample for _, sample in self.box.box.zones.link_samples(self.box.now, {})]
         return self
 
     def total(self, field):
@@ -450,7 +450,7 @@ def test_a_robot_that_hears_nothing_answers_nothing():
     world.run(4.0)
     world.box.command("stop")
     world.run(5.0)
-    world.samples = [sample for _, sample in world.box.box.link_samples(world.box.now, {})]
+    world.samples = [sample for _, sample in world.box.box.zones.link_samples(world.box.now, {})]
     assert world.total("answers") <= 1
     assert answers > 0
     assert 11 <= world.total("unanswered") <= world.lost_to_robot - lost

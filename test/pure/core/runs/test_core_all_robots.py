@@ -320,7 +320,7 @@ def test_device_commands_are_ignored_and_said_once_a_robot():
 def test_a_step_of_the_boxs_clock_makes_all_skews_be_measured_again():
     driver, robots = connected()
     driver.set_clock(100)
-    driver.event(driver.box.tick)
+    driver.event(driver.box.timers.tick)
     assert all(member.link.skew is None for member in driver.run_in().members())
     for robot in robots:
         robot.says()

@@ -121,7 +121,7 @@ def test_without_a_ready_robot_the_run_does_not_start():
     driver.command("connect")
     driver.run(10)
     assert driver.off("start") == [f"{name}: {NO_ANSWER}" for name in (R1, R2, R3)]
-    driver.event(driver.box.on_unreadable, 6668, "10.0.0.3: wrong password?")
+    driver.event(driver.box.arrivals.on_unreadable, 6668, "10.0.0.3: wrong password?")
     assert f"{R2}: {NO_ANSWER}; 10.0.0.3: wrong password?" in driver.off("start")
 
 
@@ -246,7 +246,7 @@ def test_of_saving_and_timeout_the_first_that_was_due_counts():
     robots[0].saved = 0
     live_all(driver, robots, 4)  # then nobody ticks the box until long after both
     driver.jump(60)
-    driver.event(driver.box.tick)
+    driver.event(driver.box.timers.tick)
     assert ends(driver) == [EndReason.NO_MESSAGES_SAVED, EndReason.TIMEOUT, EndReason.TIMEOUT]
     assert driver.run_in().end_reason is EndReason.TIMEOUT
 
@@ -334,7 +334,7 @@ def test_the_box_is_looked_at_when_the_robots_have_had_their_time_to_stop():
     driver.run(2.0)
     for robot in robots:
         robot.says()
-    assert driver.box.deadline() == due
+    assert driver.box.timers.deadline() == due
 
 
 def test_disconnect_stops_all_robots_and_closes_all_channels():
@@ -348,7 +348,7 @@ def test_disconnect_stops_all_robots_and_closes_all_channels():
     assert [e.port for e in taken if isinstance(e, effects.CloseChannel)] == [6667, 6668, 6669]
     assert [e.port for e in taken if isinstance(e, effects.RunClosed)] == [6667, 6668, 6669]
     assert driver.box.beacon().robots == ()
-    assert (driver.channels, driver.run_in(), driver.box.deadline()) == ({}, None, None)
+    assert (driver.channels, driver.run_in(), driver.box.timers.deadline()) == ({}, None, None)
     assert "Disconnected" in driver.view().log  # of the last run
 
 

@@ -384,12 +384,12 @@ def test_a_goals_timeout_that_is_noticed_late_counts_from_when_it_was_due():
     modules.asks(timeout=30.0, **WAYPOINT)
     robot.says(RobotState.PREPARING)
     robot.says(RobotState.WAITING_GOAL)
-    assert driver.box.deadline() <= driver.now.mono + 2.0, "the modules must be heard until then"
+    assert driver.box.timers.deadline() <= driver.now.mono + 2.0, "the modules must be heard until then"
     modules.lives(29.0)
     due = driver.now.utc + 0.998
-    assert driver.box.deadline() == pytest.approx(driver.now.mono + 0.998)
+    assert driver.box.timers.deadline() == pytest.approx(driver.now.mono + 0.998)
     driver.jump(1.7)
-    driver.event(driver.box.tick)
+    driver.event(driver.box.timers.tick)
     outcome = modules.outcome()
     assert (outcome.ended_utc, outcome.executing_s) == (pytest.approx(due, abs=0.01), pytest.approx(29.998))
 
@@ -421,7 +421,7 @@ def test_a_goal_that_ends_with_the_run_is_over_first_and_one_that_ends_later_is_
     modules.asks(timeout=timeout, **WAYPOINT)
     modules.lives(59.0)
     driver.jump(10.0)
-    driver.event(driver.box.tick)
+    driver.event(driver.box.timers.tick)
     outcome = modules.outcome()
     assert (None if outcome is None else outcome.kind) is (OutcomeKind.TIMED_OUT if is_over else None)
     assert driver.run_in().end_reason is EndReason.TIMEOUT, "that was due before the module was gone"

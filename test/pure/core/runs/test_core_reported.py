@@ -128,8 +128,8 @@ def test_a_robot_operates_devices_in_any_state_of_its_run():
 def test_a_repeated_value_never_undoes_what_the_referee_did_since():
     driver, robot = _catering()
     robot.says(switch_1=True, display_map=True)
-    driver.event(driver.box.on_devices, DevicesState(switch_1=True))
-    driver.event(driver.box.on_devices, DevicesState(switch_1=False))  # by the referee's hand
+    driver.event(driver.box.devices.on_state, DevicesState(switch_1=True))
+    driver.event(driver.box.devices.on_state, DevicesState(switch_1=False))  # by the referee's hand
     driver.taken()
     robot.says(switch_1=True, display_map=True)
     robot.says(display_map=True)
@@ -207,12 +207,12 @@ def test_a_tablet_says_where_it_was_touched_but_not_which_view_it_shows():
     robot.says(display_map=True)
     driver.taken()
     reported = TabletState(False, (12, 5), (13, 6), 1.5, -2.5)
-    driver.event(driver.box.on_tablet, "10.0.0.3", reported)
+    driver.event(driver.box.arrivals.on_tablet, "10.0.0.3", reported)
     assert driver.box.beacon().tablet == reported._replace(display_map=True)
     assert driver.box.tablet.heard == driver.now
     assert driver.taken(SendBeacon) == [SendBeacon()]
     driver.run(1.0)
-    driver.event(driver.box.on_tablet, "10.0.0.3", reported)
+    driver.event(driver.box.arrivals.on_tablet, "10.0.0.3", reported)
     assert driver.box.tablet.heard == driver.now
     assert driver.taken(SendBeacon) == []
 
@@ -225,7 +225,7 @@ def test_every_change_of_the_devices_is_in_the_beacon_at_once_and_once(change):
     driver = BoxDriver()
     driver.taken()
     for _ in range(3):
-        driver.event(driver.box.on_devices, DevicesState(**change))
+        driver.event(driver.box.devices.on_state, DevicesState(**change))
     assert driver.box.beacon().devices == DevicesState(**change)
     assert driver.taken(SendBeacon) == [SendBeacon()]
 
@@ -249,7 +249,7 @@ def test_a_device_that_refuses_is_shown_to_the_referee():
     driver, robot = _catering()
     robot.says(dimmer=70)
     driver.taken()
-    driver.event(driver.box.on_device_refused, "tbm", "dimmer", 70, "no devices node answers")
+    driver.event(driver.box.devices.on_refused, "tbm", "dimmer", 70, "no devices node answers")
     text = "dimmer was not set to 70 as the robot commanded: no devices node answers"
     assert f"WARNING: {text}" in driver.view().log
     assert text in driver.box.warnings(driver.now)
@@ -262,7 +262,7 @@ def test_a_refusal_that_comes_after_the_run_is_reported_nevertheless():
     driver, robot = _catering()
     driver.command("disconnect")
     driver.taken()
-    driver.event(driver.box.on_device_refused, "tbm", "blinds", 5, "too late")
+    driver.event(driver.box.devices.on_refused, "tbm", "blinds", 5, "too late")
     text = "blinds was not set to 5 as the robot commanded: too late"
     assert driver.taken() == [effects.Notice(Level.WARNING, text, "tbm")]
     assert text in driver.box.warnings(driver.now)
@@ -277,11 +277,11 @@ def test_a_controller_that_is_not_reached_is_a_warning_where_devices_are_needed(
             driver.command("disconnect")
             driver.command("next")
         before = which.box.warnings(which.now)
-        which.event(which.box.on_devices_status, False, "the controller does not answer")
+        which.event(which.box.devices.on_status, False, "the controller does not answer")
         assert [w for w in which.box.warnings(which.now) if w not in before] == (reported if warned else [])
         which.run(1000.0)
         assert (reported[0] in which.box.warnings(which.now)) is warned
-        which.event(which.box.on_devices_status, True, "connected")
+        which.event(which.box.devices.on_status, True, "connected")
         assert not any("Home devices" in warning for warning in which.box.warnings(which.now))
 
 

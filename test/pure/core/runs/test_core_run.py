@@ -61,7 +61,7 @@ def test_the_box_wants_to_be_ticked_at_the_deadline():
     deadline = driver.now.mono + 60
     assert driver.run_in().clock.deadline() == deadline
     driver.run(10)  # the silence was reported
-    assert driver.box.deadline() == deadline
+    assert driver.box.timers.deadline() == deadline
 
 
 @pytest.mark.parametrize("late, end", [
@@ -421,7 +421,7 @@ def test_the_time_in_which_a_robot_falls_back_does_not_count():
 def test_of_two_time_outs_the_first_counts_even_if_the_box_was_ticked_late(timeout, reason):
     driver, _ = _executing(config=competition(tbm=[event(timeout=timeout)]))
     driver.jump(100)
-    driver.event(driver.box.tick)
+    driver.event(driver.box.timers.tick)
     assert ended(driver) is reason
     assert bool(driver.taken(effects.TimeoutRung)) is (reason is EndReason.TIMEOUT)
 

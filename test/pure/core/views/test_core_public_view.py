@@ -51,7 +51,7 @@ def test_the_time_zone_of_the_venue():
     driver = BoxDriver(dataclasses.replace(here, time_zone="Asia/Tokyo"))
     assert _view(driver).public.time_zone == "Asia/Tokyo"
     assert times.date_time(UTC0).endswith("+09:00")
-    driver.event(driver.box.reload, dataclasses.replace(here, time_zone="America/Lima"), 1, ["time zone"], "Olga")
+    driver.event(driver.box.reload.take, dataclasses.replace(here, time_zone="America/Lima"), 1, ["time zone"], "Olga")
     assert _view(driver).public.time_zone == "America/Lima"
     assert times.date_time(UTC0).endswith("-05:00")
 

@@ -348,7 +348,7 @@ def test_an_event_is_chosen():
     driver.taken()
     choose(driver, 2)
     assert driver.box.zones["tbm"].index == 2
-    assert driver.box.take_changed() == {"tbm"}
+    assert driver.box.outbox.take_changed() == {"tbm"}
     [record] = [effect.value for effect in driver.taken() if type(effect).__name__ == "Recorded"]
     assert record == {"command": "choose_event", "event": "HGTKMH Gamma 1 3"}
     choose(driver, 0)

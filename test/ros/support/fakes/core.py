@@ -342,8 +342,8 @@ class FakeCore:
                 method(self._now(), *arguments)
             finally:
                 self._robots_speak()
-                self.box.take_effects()
-                self.box.take_changed()
+                self.box.outbox.take()
+                self.box.outbox.take_changed()
 
     def _now(self) -> Now:
         # One clock only: a pause between the readings of two would be a step of the clock.
@@ -355,12 +355,12 @@ class FakeCore:
         for robot, host in self._hosts.items():
             if self.box.zones.run_of(robot) is None:
                 now = self._now()
-                self.box.on_robot_beacon(now, host, robot.team, robot.robot, _wire(now))
+                self.box.arrivals.on_robot_beacon(now, host, robot.team, robot.robot, _wire(now))
         for run in () if self.deaf else self.box.zones.members():
             for _ in range(3):
                 now, asked = self._now(), run.message.state
                 report = RobotReport(_wire(now), 1, _ANSWERS[asked])
-                self.box.on_robot_report(now, run.port, self._hosts[run.robot], report)
+                self.box.arrivals.on_robot_report(now, run.port, self._hosts[run.robot], report)
                 if run.message.state is asked:
                     break
 
@@ -441,7 +441,7 @@ class FakeCore:
     def look(self) -> None:
         """Let the document be what the box is now. A core that is not silent publishes it soon."""
         with self._lock:
-            self.event(self.box.tick)
+            self.event(self.box.timers.tick)
             now = self._now()
             self._written.update(self._put_into(self._documents.look(now), now), now)
 
