@@ -215,6 +215,12 @@ class ScoreDesk:
         run = self.named(name)
         self.report_correction(run, run.withdraw_score(now, by, number))
 
+    def in_time(self, now: Now, name: RunName, number: int, in_time: bool, who: str = "") -> None:
+        """Say whether what an entry of a score sheet marks was seen before the time limit. Raises `Refused`."""
+        by = By(checked_who(who))
+        run = self.named(name)
+        self.report_correction(run, run.say_in_time(now, by, number, in_time))
+
     def take_back(self, now: Now, name: RunName, mark_id: str, who: str = "", note: str = "") -> None:
         """Take back a mark that set an item, once, however often this arrives. Raises `Refused`."""
         if not name.identity:

@@ -124,6 +124,8 @@ class SheetPoints(NamedTuple):
     total: str  # a decimal number
     groups: Tuple[GroupPoints, ...]  # those with items that give points, in the sheet's order; then the time left
     steps: Tuple[Said, ...] = ()  # how they came about, where a reader could doubt it
+    for_team: str = ""  # a decimal number that the team gets whichever attempt counts, not in the total; empty: none
+    replaces: bool = False  # the attempts before this run do not count
 
 
 class StopRecord(NamedTuple):

@@ -54,6 +54,9 @@ class HistoryEntry(NamedTuple):
     old_text: str = ""  # of a type that is not a whole number
     text: str = ""
     judge: str = ""  # who gave the rating; empty: it is not one
+    clock_s: Optional[float] = None  # counted seconds of the run when it was made; None: not known
+    in_time: bool = False  # a referee said so of an entry that was made after the time limit
+    void: Said = ""  # why it does not count although nobody withdrew it; empty: it counts
 
 
 class RunEnd(NamedTuple):

@@ -120,14 +120,9 @@ def _when(in_utc: bool) -> sheets.When:
 def _entries(record: RunRecord, in_utc: bool) -> Iterator[sheets.EntryTexts]:
     """The history in words, in its order."""
     kinds = {(item.group, item.desc): item.kind for item in record.items}
-    for e in record.history:
-        who = sheets.author(e.who, e.role, e.device)
-        entry = sheets.HistoryEntry(
-            e.number, e.utc, who, e.group, e.desc, kinds.get((e.group, e.desc), "uint"), e.old, e.old_not_attempted,
-            e.value, e.not_attempted, e.note, e.correction, e.withdrawn_utc, e.withdrawn_by, e.withdrawn_note,
-            e.withdrawal_corrects, e.old_text, e.text, e.judge,
-        )
-        yield sheets.entry_texts(entry, _when(in_utc))
+    for entry in record.history:
+        kind = kinds.get((entry.group, entry.desc), "uint")
+        yield sheets.entry_texts(sheets.history_entry(entry, kind), _when(in_utc))
 
 
 def _history(record: RunRecord, in_utc: bool, strike: bool) -> Iterator[str]:

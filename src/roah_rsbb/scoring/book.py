@@ -129,10 +129,12 @@ class RunBook:
             return state.elapsed_s
         return state.elapsed_s + max(0.001, now.utc - state.stops[-1].utc)
 
-    def in_time(self, number: int, in_time: bool) -> str:
-        """See `ScoreSheet.say_in_time`. Returns a text for the referee."""
+    def say_in_time(self, number: int, in_time: bool) -> Marked:
+        """See `ScoreSheet.say_in_time`."""
+        self._check_not_judged()
+        standing = self._items_by_name()
         entry = self.sheet.say_in_time(number, in_time)
-        return f"{entry.group}: {entry.desc} (entry {number}) was {'in time' if in_time else 'late'}"
+        return self._entry_changed(standing, entry, f"entry {entry.number} was {'in time' if in_time else 'late'}")
 
     def withdraw(self, now: Now, by: By, number: int) -> Marked:
         """See `ScoreSheet.withdraw`."""
@@ -152,7 +154,10 @@ class RunBook:
 
     def _withdrawn(self, standing: Dict[Tuple[str, str], ItemRecord], entry: ScoreEntry, by: By) -> Marked:
         """Return the result of a withdrawal. `standing`: the items before it."""
-        note = f"entry {entry.number} withdrawn{', ' if by.reason else ''}{by.reason}"
+        return self._entry_changed(
+            standing, entry, f"entry {entry.number} withdrawn{', ' if by.reason else ''}{by.reason}")
+
+    def _entry_changed(self, standing: Dict[Tuple[str, str], ItemRecord], entry: ScoreEntry, note: str) -> Marked:
         before = standing.get((entry.group, entry.desc))
         if before is None:
             return Marked(None, f"Score: {entry.group}: {entry.desc} ({note})")
@@ -261,6 +266,11 @@ class FinishedRun:
         """Withdraw an entry of the score sheet. Raises `Refused`."""
         self._check_open()
         return self._changed(self._book.withdraw(now, by, number).text)
+
+    def say_in_time(self, _now: Now, _by: By, number: int, in_time: bool) -> str:
+        """See `ScoreSheet.say_in_time`. Raises `Refused`."""
+        self._check_open()
+        return self._changed(self._book.say_in_time(number, in_time).text)
 
     def take_back(self, now: Now, by: By, mark_id: str) -> str:
         """Take back a mark; the text is empty if it was taken back before. Raises `Refused`."""

@@ -74,7 +74,8 @@ def counted(form: SheetForm, items: Sequence[ItemRecord], course: Course) -> Cou
     return CountedSheet(
         tuple(record._replace(points=exact_text(worth.own.get(_id(rows[record.key]), Fraction(0))))
               if record.key in rows else record for record in items),
-        SheetPoints(exact_text(worth.total), tuple(_groups(sheet, worth)), worth.steps))
+        SheetPoints(exact_text(worth.total), tuple(_groups(sheet, worth)), worth.steps,
+                    exact_text(worth.charged) if worth.charged else "", worth.replaces))
 
 
 def _id(row: ScoringItem) -> str:

@@ -10,7 +10,7 @@ import re
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.model.reason import joined, say
-from roah_rsbb.model.records import ItemRecord, Outage, SheetPoints
+from roah_rsbb.model.records import ItemRecord, Outage, ScoreEntry, SheetPoints
 from roah_rsbb.model.results import HistoryEntry
 from roah_rsbb.wording.language import number, tr, tr_later, tr_said
 from roah_rsbb.wording.times import NOTHING
@@ -18,6 +18,7 @@ from roah_rsbb.wording.times import NOTHING
 NOT_ATTEMPTED = tr_later("not attempted")
 CORRECTED = tr_later("corrected")
 NOT_SAVED = tr_later("not saved yet")
+IN_TIME = tr_later("in time")
 CORRECTION = tr_later("correction")
 OPEN = tr_later("open")
 SIGNED_OFF = tr_later("signed off")
@@ -239,6 +240,15 @@ def to_undo(history: Sequence[HistoryEntry], count: int) -> List[HistoryEntry]:
     return [entry for entry in reversed(history) if not entry.withdrawn_utc_s][:count]
 
 
+def history_entry(entry: ScoreEntry, kind: str) -> HistoryEntry:
+    """Return an entry of a sheet as faces have it. `kind`: the type of its item."""
+    return HistoryEntry(
+        entry.number, entry.utc, author(entry.who, entry.role, entry.device), entry.group, entry.desc, kind,
+        entry.old, entry.old_not_attempted, entry.value, entry.not_attempted, entry.note, entry.correction,
+        entry.withdrawn_utc or None, entry.withdrawn_by, entry.withdrawn_note, entry.withdrawal_corrects,
+        entry.old_text, entry.text, entry.judge, entry.clock_s, entry.in_time, entry.void)
+
+
 class EntryTexts(NamedTuple):
     """An entry of the history in words; a text is empty where it does not apply."""
 
@@ -250,6 +260,7 @@ class EntryTexts(NamedTuple):
     note: str
     correction: str
     withdrawn: str
+    void: str = ""  # why it does not count although nobody withdrew it
 
 
 def entry_texts(entry: HistoryEntry, when: When) -> EntryTexts:
@@ -259,6 +270,7 @@ def entry_texts(entry: HistoryEntry, when: When) -> EntryTexts:
     return EntryTexts(
         str(entry.number), when(entry.utc_s), person(entry.who), f"{entry.group}: {entry.item}{_of_judge(entry)}",
         f"{old} → {new}", entry.note, tr(CORRECTION) if entry.correction else "", _withdrawal(entry, when),
+        tr_said(entry.void) if entry.void else tr(IN_TIME) if entry.in_time else "",
     )
 
 
@@ -280,7 +292,7 @@ def entry_line(texts: EntryTexts, mark: Callable[[str], str] = str) -> str:
     """Return an entry in one line, without its number; `mark` makes what is unusual stand out."""
     who = f" {texts.who}:" if texts.who else ""
     note = f" ({texts.note})" if texts.note else ""
-    marks: List[str] = [f"; {mark(text)}" for text in (texts.correction, texts.withdrawn) if text]
+    marks: List[str] = [f"; {mark(text)}" for text in (texts.correction, texts.withdrawn, texts.void) if text]
     return f"{texts.when}{who} {texts.item}: {texts.change}{note}{''.join(marks)}"
 
 

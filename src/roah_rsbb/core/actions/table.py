@@ -175,6 +175,8 @@ class Entries:
                 lambda now, run, who, given: judges.mark(now, run, mark_of(given), who), JUDGE_MARK, MARK),
             "withdraw": _Entry(
                 lambda now, run, who, given: scores.withdraw(now, run, given["entry"], who, given["note"])),
+            "in_time": _Entry(
+                lambda now, run, who, given: scores.in_time(now, run, given["entry"], not given["late"], who)),
             "take_back": _Entry(
                 lambda now, run, who, given: scores.take_back(now, run, given["id"], who, given["note"])),
             "stop_reason": _Entry(

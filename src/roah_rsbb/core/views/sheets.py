@@ -7,14 +7,13 @@ from typing import Iterable, List, Optional, Sequence, Tuple
 from roah_rsbb.core.desks import RunJudging
 from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.reason import joined
-from roah_rsbb.model.records import ItemRecord, JudgeSheet, Objection, RunRecord, ScoreEntry, grouped
+from roah_rsbb.model.records import ItemRecord, JudgeSheet, Objection, RunRecord, grouped
 from roah_rsbb.model.results import (
     AGREED,
     DIFFER,
     NOT_JUDGED,
     SETTLED,
     Given,
-    HistoryEntry,
     JudgedItem,
     JudgedRun,
     JudgeLine,
@@ -30,7 +29,7 @@ from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.scoring.counting import Why
 from roah_rsbb.scoring.judges import ItemVerdict
 from roah_rsbb.scoring.points import text_of
-from roah_rsbb.wording.sheets import GroupOfValues, author, points_said, score_line, sums_text
+from roah_rsbb.wording.sheets import GroupOfValues, history_entry, points_said, score_line, sums_text
 
 _TYPES = frozenset(kind.word for kind in ScoreKind)
 
@@ -84,7 +83,7 @@ def run_sheet(record: RunRecord, why: Optional[Why]) -> RunSheet:
     kinds = {item.key: _type(item) for item in record.items}
     return RunSheet(
         run_line(record, why), tuple(record.robots), record.elapsed_s, sheet_items(record.items, record.form),
-        tuple(_entry(entry, kinds.get((entry.group, entry.desc), "uint")) for entry in record.history),
+        tuple(history_entry(entry, kinds.get((entry.group, entry.desc), "uint")) for entry in record.history),
         tuple(RunEnd(number, stop.utc, stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by)
               for number, stop in enumerate(record.stops, 1)),
         record.module_scores, record.points,
@@ -113,15 +112,6 @@ def _groups(items: Iterable[ItemRecord]) -> List[GroupOfValues]:
         GroupOfValues(name, [item.value for item in group if not item.text], sum(item.not_attempted for item in group))
         for name, group in grouped(items).items()
     ]
-
-
-def _entry(entry: ScoreEntry, kind: str) -> HistoryEntry:
-    return HistoryEntry(
-        entry.number, entry.utc, author(entry.who, entry.role, entry.device), entry.group, entry.desc, kind,
-        entry.old, entry.old_not_attempted, entry.value, entry.not_attempted, entry.note, entry.correction,
-        entry.withdrawn_utc or None, entry.withdrawn_by, entry.withdrawn_note, entry.withdrawal_corrects,
-        entry.old_text, entry.text, entry.judge,
-    )
 
 
 # -- judges -----------------------------------------------------------------------------------------

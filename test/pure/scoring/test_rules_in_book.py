@@ -1,0 +1,148 @@
+"""The rules of a sheet in the book of a run: incidents, late marks, percentages; taken back, restarted, corrected."""
+
+from decimal import Decimal
+
+import pytest
+
+from helpers.competition import UTC0
+from roah_rsbb.model.as_json import from_json, to_json
+from roah_rsbb.model.clock import Now
+from roah_rsbb.model.records import By, RunRecord
+from roah_rsbb.model.rules import Incident, Item, Measure, Sheet, Voids
+from roah_rsbb.model.scoring import INCIDENTS, SheetForm, rows
+from roah_rsbb.rulebook.benchmarks import Benchmark
+from roah_rsbb.scoring.book import BookState, FinishedRun, RunBook
+from roah_rsbb.scoring.sheet import Mark
+
+TABLE, SPECIAL = "Table", "Special"
+SHEET = Sheet((
+    Item("test", "Test", amount=Measure.SECTION, least=Decimal(0)),
+    Item("table", TABLE, "test", Measure.SECTION),
+    Item("finds", "Finds an object", "table", points=Decimal(10), times=12),
+    Item("solves", "Solves a problem", "table", Measure.PERCENT, Decimal(650), least=Decimal(0), each=True),
+    Item("again", "The same kind again", "solves", points=Decimal(-300)),
+    Item("help", "With help", "solves", Measure.PERCENT, percent=Decimal(-100)),
+    Item("drops", "Drops an object", "table", points=Decimal(-40)),
+    Item("special", SPECIAL, amount=Measure.SECTION),
+    Item("away", "Does not attend", "special", Measure.YES, Decimal(-500), times=1),
+), (
+    Incident("restart", times=1, below=Decimal(40), voids=Voids.EARLIER),
+    Incident("absent", marks="away"),
+    Incident("disqualified", voids=Voids.ALL),
+), Decimal(420))
+
+
+class Book:
+    """A run of 420 s; `at` marks at its counted clock."""
+
+    def __init__(self, sheet=SHEET, state=None):
+        self.form = SheetForm(rows(sheet), sheet=sheet)
+        self.book = RunBook(self.form, state)
+        self.now = Now(100.0, UTC0)
+        self.ended = ""
+
+    def at(self, clock_s, desc, value=0, group=TABLE, **fields):
+        self.now = Now(100.0 + clock_s, UTC0 + clock_s)
+        self.book.mark(self.now, "Anna", Mark(group, desc, value, **fields), None if self.ended else clock_s)
+        return self
+
+    def incident(self, clock_s, name):
+        return self.at(clock_s, name, group=INCIDENTS, added="1")
+
+    def end(self, clock_s, reason="timeout"):
+        self.ended = reason
+        self.now = Now(100.0 + clock_s, UTC0 + clock_s)
+        self.book.ended(self.now, reason, "", By(), clock_s)
+        return self
+
+    def withdraw(self, number):
+        self.book.withdraw(self.now, By("Ben"), number)
+        return self
+
+    def total(self):
+        return self.book.counted(self.ended).points.total
+
+    def steps(self):
+        return list(self.book.counted(self.ended).points.steps)
+
+    def value(self, desc, group=TABLE):
+        record = self.book.sheet.item(group, desc)
+        return record.text or record.value
+
+
+def test_a_restart_voids_what_was_before_and_can_be_withdrawn():
+    book = Book().at(30, "Finds an object", added="3").incident(40, "restart").at(60, "Finds an object", added="2")
+    assert (book.total(), book.value("Finds an object")) == ("20", 2)
+    (void,) = [entry for entry in book.book.sheet.history if entry.void]
+    assert (void.number, str(void.void)) == (1, "Finds an object (0:30.0): void because of: restart")
+    book.withdraw(2)
+    assert (book.total(), book.value("Finds an object")) == ("50", 5)
+    assert not any(entry.void for entry in book.book.sheet.history)
+
+
+def test_a_restart_that_comes_too_late_has_no_effect():
+    book = Book().at(30, "Finds an object", added="4").incident(40, "restart")
+    assert book.total() == "40"
+    assert "restart (0:40.0): 40 points, allowed below 40: it has no effect" in book.steps()
+
+
+def test_entries_of_one_second_are_one_unless_an_incident_divides_them():
+    book = Book().at(30, "Finds an object", added="1").at(30.5, "Finds an object", added="1")
+    assert len(book.book.sheet.history) == 1
+    book = Book().at(30, "Finds an object", added="1").incident(30.3, "restart").at(30.5, "Finds an object", added="1")
+    assert [entry.group for entry in book.book.sheet.history] == [TABLE, INCIDENTS, TABLE]
+    assert book.total() == "10"
+
+
+@pytest.mark.parametrize("clock_s, reason, total", [(420, "timeout", "10"), (200, "completed", "30")])
+def test_marks_after_the_time_limit_are_late_until_a_referee_says_otherwise(clock_s, reason, total):
+    book = Book().at(100, "Finds an object", added="1").end(clock_s, reason)
+    book.at(clock_s + 5, "Finds an object", added="2")
+    assert (book.total(), book.value("Finds an object")) == (total, int(total) // 10)
+    book.book.say_in_time(2, True)
+    assert book.total() == "30"
+    assert not any(entry.void for entry in book.book.sheet.history)
+    book.book.say_in_time(2, False)
+    assert book.total() == total
+
+
+def test_a_late_mark_that_takes_away_corrects():
+    book = Book().at(100, "Finds an object", added="3").end(420).at(430, "Finds an object", added="-1")
+    assert book.total() == "20"
+    assert book.at(440, "Finds an object", 1).total() == "10"
+
+
+def test_times_with_their_own_percentages():
+    book = Book().at(10, "Solves a problem", added="100").at(20, "With help", added="60")
+    book.at(30, "Solves a problem", added="100").at(31, "The same kind again", added="1")
+    book.at(32, "With help", added="60")
+    assert book.total() == "400"
+    assert book.at(50, "Solves a problem", added="50").total() == "725"
+    assert book.value("Solves a problem") == "250"
+
+
+def test_an_incident_marks_its_item_below_zero_and_disqualified_is_nothing():
+    book = Book().at(30, "Finds an object", added="3").incident(40, "absent")
+    assert book.total() == "-470"
+    assert book.incident(50, "disqualified").total() == "-500"
+
+
+def test_withdrawing_everything_leaves_nothing():
+    book = Book().at(30, "Finds an object", added="3").incident(40, "restart").incident(41, "absent")
+    book.at(50, "Solves a problem", added="50")
+    for entry in reversed(book.book.sheet.history):
+        book.withdraw(entry.number)
+    assert book.total() == "0"
+
+
+def test_a_restart_of_the_box_and_a_finished_run_keep_all_of_it():
+    book = Book().at(30, "Finds an object", added="3").incident(40, "restart").at(60, "Finds an object", added="2")
+    again = Book(state=from_json(BookState, to_json(book.book.state)))
+    assert (again.total(), again.steps()) == (book.total(), book.steps())
+    book.end(420).at(430, "Finds an object", added="1")
+    record = book.book.into(RunRecord("X-1-2", "Home", "X", "Alpha", 1, 1, UTC0, UTC0, end_reason="timeout"))
+    record = from_json(RunRecord, to_json(record))
+    finished = FinishedRun(record, Benchmark("X", "X", "", 420.0, 420.0, ()))
+    assert finished.book.counted("timeout").points == record.points
+    finished.say_in_time(book.now, By("Ben"), 4, True)
+    assert finished.record.points.total == "30"
