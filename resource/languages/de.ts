@@ -1748,6 +1748,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>in time</source>
+        <translation>rechtzeitig</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>correction</source>
         <translation>Korrektur</translation>
     </message>
@@ -4593,6 +4598,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>It was in time</source>
+        <translation>Es war rechtzeitig</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>What an entry marks was seen before the time limit, so it counts; it was entered later</source>
+        <translation>Was ein Eintrag wertet, geschah vor dem Zeitlimit, zählt also; eingetragen wurde es später</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Take back the mark</source>
         <translation>Wertung zurücknehmen</translation>
     </message>
@@ -4795,6 +4810,11 @@
         <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Role</source>
         <translation>Rolle</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>No, it was late</source>
+        <translation>Nein, es war zu spät</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>

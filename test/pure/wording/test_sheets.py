@@ -3,6 +3,7 @@
 import pytest
 
 from roah_rsbb.model.modules import ScoreValue
+from roah_rsbb.model.reason import Reason
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.sheets import GroupOfValues, HistoryEntry, score_line, scores_by_group, sums_text
 
@@ -72,7 +73,7 @@ def test_the_signature_of_a_sheet(signed, by, text):
 
 
 def test_an_entry_in_words():
-    assert _texts() == ("7", "01:00:00Z", "Anna", "Penalized: Bumps", "1 → 2", "", "", "")
+    assert _texts() == ("7", "01:00:00Z", "Anna", "Penalized: Bumps", "1 → 2", "", "", "", "")
     assert _texts(type="bool", old_not_attempted=True).change == "not attempted → yes"
     assert (_texts(note="video", correction=True).note, _texts(correction=True).correction) == ("video", "correction")
 
@@ -90,6 +91,9 @@ def test_an_entry_in_one_line():
     assert sheets.entry_line(_texts()) == "01:00:00Z Anna: Penalized: Bumps: 1 → 2"
     full = _texts(who="", note="video", correction=True, withdrawn_utc_s=3661.0)
     assert sheets.entry_line(full) == "01:00:00Z Penalized: Bumps: 1 → 2 (video); correction; withdrawn at 01:01:01Z"
+    late = _texts(void=Reason("after the limit of {limit}", {"limit": "7:00"}))
+    assert sheets.entry_line(late).endswith(": 1 → 2; after the limit of 7:00")
+    assert sheets.entry_line(_texts(in_time=True)).endswith(": 1 → 2; in time")
     assert sheets.entry_line(full, "<{}>".format).endswith("(video); <correction>; <withdrawn at 01:01:01Z>")
 
 
