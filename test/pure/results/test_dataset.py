@@ -205,5 +205,6 @@ def test_each_text_of_a_record_is_hidden_or_of_the_rulebook():
         "RunRecord": {"identity", "zone", "benchmark", "end_reason", "event"},
         "ItemRecord": {"group", "desc", "kind", "text", "points"}, "Rating": {"text"},
         "ScoreEntry": {"group", "desc", "old_text", "text", "added", "role"}, "GroupPoints": {"name", "points"},
-        "SheetPoints": {"total", "for_team"}, "ScoreValue": {"group", "name", "unit", "desc"}, "StopRecord": {"end_reason"},
+        "SheetPoints": {"total", "for_team"}, "ScoreValue": {"group", "name", "unit", "desc"},
+        "StopRecord": {"end_reason"},
         "PhaseTime": {"name"}, "Settlement": {"group", "desc", "text"}, "JudgeAct": {"act"}}
