@@ -17,7 +17,7 @@ import tempfile
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.bmbox.framework.ground_truth import Source
-from roah_rsbb.bmbox.framework.rule_files import file_in, load_rules, modules, own_files
+from roah_rsbb.bmbox.framework.rule_files import file_in, load_tried, modules, own_files
 from roah_rsbb.bmbox.host.ground_truth_of_frames import FILE_NAME, FrameState, GroundTruthConfig, NoFrames, load
 from roah_rsbb.client.places import OWN_VARIABLE, is_answering
 from roah_rsbb.comm import sockets
@@ -438,7 +438,7 @@ def _subjects(modules_dir: str, code: str) -> Tuple[str, ...]:
     """Return whose poses the rules of a benchmark need; none if the rules have errors."""
     own = own_files(modules_dir)
     try:
-        kind = load_rules(own[code]) if code in own else modules().get(code)
+        kind = load_tried(own[code]) if code in own else modules().get(code)
     except ConfigErrors:
         return ()
     return () if kind is None else tuple(kind.SUBJECTS)

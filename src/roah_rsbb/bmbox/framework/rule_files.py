@@ -4,8 +4,10 @@ A competition's rules, parameters and ground truth may differ from zone to zone,
 """
 
 import ast
+import contextlib
 import importlib
 import inspect
+import multiprocessing
 import os
 import pkgutil
 import sys
@@ -57,6 +59,8 @@ def _of_file(name: str) -> Dict[str, Type[Module]]:
 # with file and line. It does not affect other benchmarks.
 
 _PAGE = "docs/write_a_benchmark.md"
+# Seconds in which rules must be loaded.
+TRIAL_S = 10.0
 
 
 def own_files(folder: str) -> Dict[str, str]:
@@ -90,6 +94,30 @@ def load_rules(path: str) -> Type[Module]:
     report.raise_errors()
     kinds[0].FILE = path
     return kinds[0]
+
+
+def load_tried(path: str) -> Type[Module]:
+    """As `load_rules`, for a program that must not end with the rules: another process loads them first."""
+    trial = multiprocessing.get_context("fork").Process(target=_try, args=[path], daemon=True)
+    trial.start()
+    trial.join(TRIAL_S)
+    if trial.exitcode != 0:
+        trial.kill()
+        refuse_ending(path)
+    return load_rules(path)
+
+
+def _try(path: str) -> None:
+    with contextlib.suppress(ConfigErrors):
+        load_rules(path)
+
+
+def refuse_ending(path: str) -> None:
+    """Raise the ConfigErrors of a file that cannot even be tried."""
+    report = Report()
+    report.error(Place(path, 0, 0), "rules that end their process, or hang, while they are loaded",
+                 "rules that can be loaded: correct the file, then save it")
+    report.raise_errors()
 
 
 def _classes(report: Report, path: str, code: str, text: str) -> List[Type[Module]]:

@@ -30,7 +30,7 @@ from typing import IO, Any, Callable, Dict, List, Optional, Sequence, Set, Tuple
 from roah_rsbb.bmbox import framework
 from roah_rsbb.bmbox import host as host_folder
 from roah_rsbb.bmbox.framework.module import Module
-from roah_rsbb.bmbox.framework.rule_files import load_rules, signature
+from roah_rsbb.bmbox.framework.rule_files import load_rules, refuse_ending, signature
 from roah_rsbb.bmbox.host.dummy_world import DummyFrames
 from roah_rsbb.bmbox.host.ground_truth_of_frames import Frames, NoFrames, ZonesGroundTruth
 from roah_rsbb.bmbox.host.host import ModulesHost
@@ -40,7 +40,6 @@ from roah_rsbb.ground.arguments import without_ros
 from roah_rsbb.model.as_json import BadData, from_json, to_json
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, RunForModule
 from roah_rsbb.model.reason import Template, say
-from roah_rsbb.rulebook.errors import Place, Report
 
 COMMAND = "modules"  # of `roah-rsbb`; not for users
 # Seconds without a message, of which two come in a second; and until the first one, on a busy computer.
@@ -311,10 +310,7 @@ class _RulesFiles:
     def load(self, path: str) -> Type[Module]:
         """Load a file; raises ConfigErrors."""
         if _file_word(path) in self._without:
-            report = Report()
-            report.error(Place(path, 0, 0), "rules that end their process, or hang, while they are loaded",
-                         "rules that can be loaded: correct the file, then save it")
-            report.raise_errors()
+            refuse_ending(path)
         before = self._traces.enter(f"{_LOADING}{path}")
         try:
             return load_rules(path)

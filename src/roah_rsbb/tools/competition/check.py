@@ -5,7 +5,7 @@ import os
 from typing import Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 
 from roah_rsbb.bmbox.framework.parameters import read_parameters
-from roah_rsbb.bmbox.framework.rule_files import file_in, load_rules, modules, own_files, zone_folders
+from roah_rsbb.bmbox.framework.rule_files import file_in, load_tried, modules, own_files, zone_folders
 from roah_rsbb.bmbox.host import ground_truth_of_frames
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, Durable, ScheduledEvent, teams_of
@@ -197,7 +197,7 @@ def module_errors(folder: str, loaded: Config) -> List[str]:
                           "expected a file as in docs/write_a_benchmark.md")
             continue
         try:
-            kind = load_rules(own[code]) if code in own else known[code]
+            kind = load_tried(own[code]) if code in own else known[code]
         except ConfigErrors as found:
             errors += str(found).splitlines()
             continue

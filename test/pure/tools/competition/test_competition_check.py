@@ -218,6 +218,9 @@ def test_benchmarks_of_its_own(competition):
     rules.write_text(RULES.replace("async def", "async dif"), encoding="utf-8")
     (reported,) = check(str(directory)).errors
     assert reported.startswith(f"{rules}:7: found invalid Python (")
+    rules.write_text(f"import os\nos._exit(3)\n{RULES}", encoding="utf-8")
+    (reported,) = check(str(directory)).errors
+    assert reported.startswith(f"{rules}: found rules that end their process, or hang, while they are loaded; expected")
     rules.write_text(RULES, encoding="utf-8")
     assert check(str(directory)).errors == []
 
