@@ -6,6 +6,8 @@ Comments that GitHub does not show say so, in the line before a block:
     <!-- run -->              its commands are run, and must succeed
     <!-- run: exit 1 -->      they are run, and must end with this status
     <!-- prints -->           it is what the last commands printed; … stands for anything
+    <!-- sheet -->            it is the sheet of a benchmark (also <!-- runs -->, <!-- stages -->), and
+    <!-- gives -->            these marks are worth these points
 """
 
 import pathlib
@@ -20,7 +22,7 @@ PAGES = [
 NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
 
 _FENCE = re.compile(r"^( *)```(\S*) *$")
-_MARK = re.compile(r"^ *<!-- *(file|run|prints)(?:: *(.*?))? *-->$")
+_MARK = re.compile(r"^ *<!-- *(file|runs?|prints|sheet|stages|gives)(?:: *(.*?))? *-->$")
 _LINK = re.compile(r"\]\(([^)\s]+)\)")
 _PLACEHOLDER = re.compile(r"<[a-z ]+>")
 
@@ -32,7 +34,7 @@ class Block(NamedTuple):
     line: int  # of its fence
     language: str
     text: str
-    mark: str  # file, run, prints, or empty
+    mark: str  # one of those above, or empty
     given: str  # what the mark says behind its colon
 
     @property

@@ -11,7 +11,7 @@ import yaml
 from pages import ROOT
 
 # Blocks in other "languages" are bytes or texts that a test of their own reads (test/pure).
-LANGUAGES = {"sh", "text", "python", "yaml", "xml", "csv", "mermaid", "beacon", "key", "plain", "frame"}
+LANGUAGES = {"sh", "text", "python", "yaml", "xml", "csv", "json", "mermaid", "beacon", "key", "plain", "frame"}
 
 
 @pytest.mark.parametrize("page", pages.NAMES)
