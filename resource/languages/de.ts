@@ -5424,7 +5424,7 @@
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{item} at {time}: after the limit of {limit}, so it does not count</source>
-        <translation>{item} bei {time}: nach dem Limit von {limit}, zählt also nicht</translation>
+        <translation>{item} um {time}: nach dem Zeitlimit von {limit}, zählt also nicht</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
@@ -5439,7 +5439,7 @@
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{incident}{time}: the {number}. time, {times} allowed: it has no effect</source>
-        <translation>{incident}{time}: das {number}. Mal, erlaubt {times}: ohne Wirkung</translation>
+        <translation>{incident}{time}: zum {number}. Mal, erlaubt sind {times}: ohne Wirkung</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
@@ -5454,12 +5454,12 @@
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>no {fact}</source>
-        <translation>{fact}: nein</translation>
+        <translation>nicht: {fact}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{incident} at {time}, by itself</source>
-        <translation>{incident} bei {time}, von selbst</translation>
+        <translation>{incident} um {time}, von selbst</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
