@@ -113,7 +113,7 @@ class _Run:
         self.names = {item.id: item.name for item in sheet.items}
         self.decided: Dict[str, Tuple[int, str]] = {}  # item that incidents mark -> how often, and with which choice
         self.replaces = False
-        self._marks = [mark._replace(at_s=self._counted(mark.at_s)) for mark in course.marks]
+        self._marks = course.marks
         self._held: Dict[str, List[Optional[Fraction]]] = {}  # incident -> when it had an effect
         # Facts about incidents that are on the sheet.
         self._facts: Dict[str, object] = {mark.item: mark.text or mark.number for mark in course.marks}
@@ -137,10 +137,11 @@ class _Run:
     def _drop_late(self) -> None:
         limit = None if self.sheet.limit_s is None else Fraction(self.sheet.limit_s)
         for index, mark in enumerate(self._marks):
+            at_s = self._counted(mark.at_s)
             if mark.refused:
-                self._drop(index, REFUSED(item=self._name(mark), time=_at(mark.at_s), why=mark.refused))
-            elif limit is not None and mark.at_s is not None and mark.at_s > limit and not mark.in_time:
-                self._drop(index, LATE(item=self._name(mark), time=_clock(mark.at_s), limit=_clock(limit)))
+                self._drop(index, REFUSED(item=self._name(mark), time=_at(at_s), why=mark.refused))
+            elif limit is not None and at_s is not None and at_s > limit and not mark.in_time:
+                self._drop(index, LATE(item=self._name(mark), time=_clock(at_s), limit=_clock(limit)))
 
     def _drop(self, index: int, why: str) -> None:
         if index not in self._void:
@@ -200,41 +201,43 @@ class _Run:
 
     def _take(self, rule: Incident, happened: Happened) -> None:
         """Apply what follows from an incident, or say why nothing does."""
-        counted_s = self._counted(happened.at_s)
+        at_s = happened.at_s
         if happened.since is not None:
-            self._steps.append(BY_ITSELF(incident=rule.name, time=_clock(counted_s or ZERO)))
+            self._steps.append(BY_ITSELF(incident=rule.name, time=_clock(self._counted(at_s) or ZERO)))
         if rule.marks:
             self.decided.setdefault(rule.marks, (0, ""))
-        why = self._why_not(rule, happened, counted_s)
+        why = self._why_not(rule, happened)
         if why:
             self._steps.append(why)
             return
-        self._held.setdefault(rule.name, []).append(happened.at_s)
-        until = self._counted(self._end_of(rule, happened)) if rule.ends else None
+        self._held.setdefault(rule.name, []).append(at_s)
+        until = self._end_of(rule, happened)
         for index, mark in enumerate(self._marks):
-            if self._is_hit(rule, mark, counted_s, until):
-                self._drop(index, VOID(item=self._name(mark), time=_at(mark.at_s), incident=rule.name))
-        if rule.marks and (not rule.scored_after or self._scored_after(counted_s)):
+            if self._is_hit(rule, mark, at_s, until):
+                time = _at(self._counted(mark.at_s))
+                self._drop(index, VOID(item=self._name(mark), time=time, incident=rule.name))
+        if rule.marks and (not rule.scored_after or self._scored_after(at_s)):
             words = {str(fact) for fact in happened.facts.values()}
             item = next(item for item in self.sheet.items if item.id == rule.marks)
             chosen = next((choice.name for choice in item.choices if choice.name in words), "")
             self.decided[rule.marks] = self.decided[rule.marks][0] + 1, chosen
         self.replaces = self.replaces or rule.voids is Voids.EARLIER_RUNS
 
-    def _why_not(self, rule: Incident, happened: Happened, at_s: Optional[Fraction]) -> str:
+    def _why_not(self, rule: Incident, happened: Happened) -> str:
         """Return why an incident has no effect; empty: it has."""
+        time = _at(self._counted(happened.at_s))
         held = len(self._held.get(rule.name, ()))
         if rule.times is not None and held >= rule.times:
-            return TOO_OFTEN(incident=rule.name, time=_at(at_s), number=held + 1, times=rule.times)
+            return TOO_OFTEN(incident=rule.name, time=time, number=held + 1, times=rule.times)
         facts = {**self._facts, **happened.facts}
         lacking = [LACKING(fact=self.names.get(fact.item, fact.item)) for fact in rule.when if not _holds(fact, facts)]
         barring = [self.names.get(fact.item, fact.item) for fact in rule.unless if _holds(fact, facts)]
         for why in (*lacking, *barring):
-            return NO_EFFECT(incident=rule.name, time=_at(at_s), why=why)
+            return NO_EFFECT(incident=rule.name, time=time, why=why)
         if rule.below is not None:
-            points = self._so_far(at_s, rule.net)
+            points = self._so_far(happened.at_s, rule.net)
             if points >= Fraction(rule.below):
-                return TOO_LATE(incident=rule.name, time=_at(at_s), points=number_text(points),
+                return TOO_LATE(incident=rule.name, time=time, points=number_text(points),
                                 below=number_text(Fraction(rule.below)))
         return ""
 
