@@ -10,6 +10,10 @@ from tornado import httpclient
 from helpers.running_loop import running  # noqa: F401
 from roah_rsbb.box.program import start_page
 from roah_rsbb.box.program.start_page import StartPage
+from roah_rsbb.ground.installed import shipped_folder
+from roah_rsbb.rulebook.errors import Place, Report
+from roah_rsbb.tools.competition.answers import questions
+from roah_rsbb.tools.competition.rulebooks import read_rulebook
 from roah_rsbb.wording.device import StartWords as words
 
 NEW = {"task": "new", "name": "erl", "rulebook": "erl2019", "teams": "A, B", "days": "2026-11-28"}
@@ -115,3 +119,18 @@ def test_a_name_leads_out_of_no_folder(tmp_path, monkeypatch):
         command = next(each.command for each in start_page.TASKS if each.name == task)
         arguments, _ = command({**NEW, "name": "../../etc"})
         assert arguments[1] == str(tmp_path / "roah_rsbb" / "etc")
+
+
+@pytest.mark.parametrize("rulebook", sorted(path.name for path in (shipped_folder() / "rulebooks").iterdir()))
+def test_the_form_of_a_new_competition_asks_what_the_wizard_in_the_terminal_asks(rulebook):
+    """Each field is a question of the wizard with its example, and what must be answered is on the page or in the
+    rulebook: the page cannot ask back."""
+    book = read_rulebook(Report(), str(shipped_folder()), rulebook)
+    asked = {question.option: question for question in questions(book.benchmarks)}
+    new, = (task for task in start_page.TASKS if task.name == words.NEW)
+    given = {field.name: field for field in new.inputs if field.name not in ("name", "rulebook")}
+    for name, field in given.items():
+        report = Report()
+        asked[name].reader(report, Place(name, 0, 0), field.example)
+        assert field.is_required == (asked[name].default is None) and not report.errors, name
+    assert {name for name, question in asked.items() if question.default is None} <= {*given, *book.answers}
