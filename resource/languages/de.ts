@@ -292,11 +292,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>No robot is heard</source>
-        <translation>Kein Roboter ist zu hören</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>This zone has no run yet.</source>
         <translation>Diese Zone hat noch keinen Lauf.</translation>
     </message>
@@ -362,33 +357,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Reload configuration</source>
-        <translation>Konfiguration neu laden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Apply</source>
         <translation>Übernehmen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Nothing was changed. Correct this first:</source>
-        <translation>Nichts wurde geändert. Erst ist zu korrigieren:</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Apply these changes? Connected runs keep what they began with.</source>
-        <translation>Diese Änderungen übernehmen? Verbundene Läufe behalten, womit sie begonnen haben.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>The files contain what is in force</source>
-        <translation>Die Dateien enthalten, was bereits gilt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>The changes are in force</source>
-        <translation>Die Änderungen gelten</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -894,11 +864,6 @@
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Undo</source>
         <translation>Rückgängig</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Reason for the stop</source>
-        <translation>Grund des Stopps</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -2412,6 +2377,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>No robot is heard</source>
+        <translation>Kein Roboter ist zu hören</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>▮▮▮ good</source>
         <translation>▮▮▮ gut</translation>
     </message>
@@ -2519,6 +2489,31 @@
         <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>♪ RINGS</source>
         <translation>♪ KLINGELT</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Reload configuration</source>
+        <translation>Konfiguration neu laden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Nothing was changed. Correct this first:</source>
+        <translation>Nichts wurde geändert. Erst ist zu korrigieren:</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Apply these changes? Connected runs keep what they began with.</source>
+        <translation>Diese Änderungen übernehmen? Verbundene Läufe behalten, womit sie begonnen haben.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>The files contain what is in force</source>
+        <translation>Die Dateien enthalten, was bereits gilt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>The changes are in force</source>
+        <translation>Die Änderungen gelten</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
@@ -2755,8 +2750,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>NO CORE</source>
-        <translation>KEIN CORE</translation>
+        <source>NO BOX</source>
+        <translation>KEINE BOX</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
@@ -4790,6 +4785,11 @@
         <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Also a run in progress</source>
         <translation>Auch einen laufenden Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Reason for the stop</source>
+        <translation>Grund des Stopps</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>

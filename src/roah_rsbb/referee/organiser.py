@@ -11,7 +11,7 @@ from roah_rsbb.referee.at_once import Exit
 from roah_rsbb.referee.state import scheduled_json
 from roah_rsbb.referee.terminal import BY, LEAVING, ZONE, Call, Commands, argument, counted, switch, text, zone
 from roah_rsbb.referee.words import BadWord, pick
-from roah_rsbb.wording import schedule
+from roah_rsbb.wording import schedule, whole_box
 from roah_rsbb.wording.device import encryption_text, role_text
 from roah_rsbb.wording.texts import escaped
 from roah_rsbb.wording.times import countdown
@@ -97,13 +97,13 @@ def _reloaded(call: Call, digest: str) -> Dict[str, Any]:
 
 
 def _show_reload(call: Call, answer: Dict[str, Any]) -> Exit:
-    end = ["The changes are in force"] if answer["applied"] and answer["changes"] else []
+    end = [whole_box.RELOAD_DONE] if answer["applied"] and answer["changes"] else []
     return call.done(_reload_lines(answer) + end, **{name: answer[name] for name in ("applied", "changes", "warnings")})
 
 
 def _reload_lines(answer: Dict[str, Any]) -> List[str]:
     warnings = [f"warning: {escaped(text)}" for text in answer["warnings"]]
-    return warnings + ([escaped(text) for text in answer["changes"]] or ["The files contain what is in force"])
+    return warnings + ([escaped(text) for text in answer["changes"]] or [whole_box.RELOAD_SAME])
 
 
 # -- devices and codes ------------------------------------------------------------------------------

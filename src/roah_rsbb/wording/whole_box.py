@@ -47,7 +47,7 @@ ROBOT_COLUMNS = (
     tr_later("Last heard"),
 )
 LINK, SKEW = 2, 3  # columns that are explained
-NO_RUN = "–"
+NO_RUN, NO_ROBOT = "–", tr_later("No robot is heard")
 
 # Older silences are ignored, seconds.
 WINDOW_S = 10.0
@@ -195,8 +195,12 @@ def controller_text(is_connected: bool, text: str) -> Tuple[str, str]:
     return tr("NOT CONNECTED"), f"{text}\n{tr(AWAY)}".strip()
 
 
-# -- its end ---------------------------------------------------------------------------------------
+# -- its configuration, and its end ----------------------------------------------------------------
 
+RELOAD = tr_later("Reload configuration")
+RELOAD_ERRORS = tr_later("Nothing was changed. Correct this first:")
+RELOAD_APPLY = tr_later("Apply these changes? Connected runs keep what they began with.")
+RELOAD_SAME, RELOAD_DONE = tr_later("The files contain what is in force"), tr_later("The changes are in force")
 END_QUESTION, END_NOW = tr_later("End the whole RSBB?"), tr_later("End the RSBB")
 ENDS_ALL = tr_later("This ends the box and everything started with it, for all referees.")
 END_RUNS = tr_later("Runs in progress: {runs}")

@@ -99,7 +99,7 @@ class PagesButton(basic.MenuButton):
         self._panel.client.calls.run(self._panel, "browser", opens, opened)
 
 
-REASON = tr_later("Reason for the stop")
+REASON = ACTIONS["stop"].fields[0].label
 ASK_REASON = tr_later("Why was the run stopped? Press Enter to save")
 NO_CHANGE = tr_later("The box is silent: nothing can be changed now")
 REASON_TIP = tr_later(
@@ -375,7 +375,7 @@ class BenchmarkControlPanel(Panel):
         for label in self.event_labels.values():
             label.setText("")
         heard = self.model.document is not None
-        self.phase.show_text(tr("NO SUCH ZONE") if heard else tr("NO CORE"), basic.IDLE)
+        self.phase.show_text(tr("NO SUCH ZONE") if heard else tr("NO BOX"), basic.IDLE)
         text = f"{tr(NO_ZONE)} ({self.model.zone_name})" if heard else tr("Waiting for the box")
         self.state.show_lines([(line, False) for line in (text, self.model.why) if line])
 

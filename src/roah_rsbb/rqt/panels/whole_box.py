@@ -104,13 +104,13 @@ class CoreStatusPanel(Panel):
         self.answer.clear_answer()
         answer = found.result
         if answer["errors"]:
-            self._show_lines(tr("Nothing was changed. Correct this first:"), answer["errors"])
+            self._show_lines(tr(whole_box.RELOAD_ERRORS), answer["errors"])
         elif not answer["changes"]:
-            self.answer.say(tr("The files contain what is in force"))
+            self.answer.say(tr(whole_box.RELOAD_SAME))
         else:
             warnings = [tr("Warning: {line}", line=line) for line in answer["warnings"]]
-            heading = tr("Apply these changes? Connected runs keep what they began with.")
-            self._show_lines(heading, [*answer["changes"], *warnings], lambda: self._apply(answer["digest"]))
+            self._show_lines(tr(whole_box.RELOAD_APPLY), [*answer["changes"], *warnings],
+                             lambda: self._apply(answer["digest"]))
 
     def _show_lines(self, heading: str, lines: Sequence[str], apply: Optional[Callable[[], None]] = None) -> None:
         basic.show_dialog(ReloadDialog(self, heading, list(lines), apply))
@@ -121,7 +121,7 @@ class CoreStatusPanel(Panel):
 
     def _applied(self, outcome: CallOutcome) -> None:
         if not outcome.error and outcome.result["errors"]:
-            self._show_lines(tr("Nothing was changed. Correct this first:"), outcome.result["errors"])
+            self._show_lines(tr(whole_box.RELOAD_ERRORS), outcome.result["errors"])
             self.answer.clear_answer()
         else:
             self.answer.show_outcome(tr("Reload"), outcome)
@@ -158,7 +158,7 @@ class ReloadDialog(FormDialog):
     """Shows the lines, and calls `apply()` if the organiser confirms. Without `apply`, it can only be closed."""
 
     def __init__(self, parent: QWidget, heading: str, lines: List[str], apply: Optional[Callable[[], None]]) -> None:
-        super().__init__(parent, tr("Reload configuration"), heading, "" if apply is None else tr("Apply"))
+        super().__init__(parent, tr(whole_box.RELOAD), heading, "" if apply is None else tr("Apply"))
         self.lines = QPlainTextEdit("\n".join(lines), readOnly=True)
         self.form.addRow(self.lines)
         if apply is not None:
@@ -246,7 +246,7 @@ class ActiveRobotsPanel(CollapsingPanel):
         self._show_lines(robots or [self._nobody()])
 
     def _nobody(self) -> Tuple[str, ...]:
-        text = tr("No robot is heard") if self.model.document else tr("Waiting for the box")
+        text = tr(whole_box.NO_ROBOT) if self.model.document else tr("Waiting for the box")
         return (text, *("" for _ in ROBOT_COLUMNS[1:]))
 
     def _show_lines(self, lines: List[Tuple[str, ...]]) -> None:
