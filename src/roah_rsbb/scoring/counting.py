@@ -112,6 +112,11 @@ def points_of(record: RunRecord, name: str) -> Optional[Decimal]:
     return Decimal(groups[name]) if name in groups else None
 
 
+def replaces(record: RunRecord) -> bool:
+    """Return whether the attempts of the team before a run do not count."""
+    return record.points is not None and record.points.replaces
+
+
 def amount_of(item: ItemRecord) -> Fraction:
     """Return the value of an item as a number. A choice counts as 0: it has points, but no number."""
     return Fraction(item.text) if item.text and item.kind in ("decimal", "rating") else \
@@ -319,6 +324,9 @@ def _of_attempts(
             found[left[-1].identity] = (
                 Why.COUNTS if entered else Why.ZERO if event.no_show is NoShow.ZERO else Why.NO_SCORE)
         return found
+    first = max((place for place, record in enumerate(ran) if replaces(record)), default=0)
+    found.update({record.identity: Why.NOT_LAST for record in ran[:first]})
+    ran = ran[first:]
     if event.counting is CountingAttempt.ALL:
         found.update({record.identity: Why.COUNTS for record in ran})
         return found

@@ -11,9 +11,20 @@ from roah_rsbb.model.scoring import SheetForm
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_RULES, EventRules
 from roah_rsbb.rulebook.changes import differences
 from roah_rsbb.rulebook.registry import PROFILES
-from roah_rsbb.rulebook.standing_rules import DEFAULT, Criterion, Rules, StandingRules
+from roah_rsbb.rulebook.standing_rules import DEFAULT, TOTAL, Criterion, Rules, StandingRules
 from roah_rsbb.scoring.book import form_of
-from roah_rsbb.scoring.counting import Numbers, Ruling, RunChoice, Why, attempts_of, rules_for, rulings, sort_key
+from roah_rsbb.scoring.counting import (
+    Numbers,
+    Ruling,
+    RunChoice,
+    Why,
+    attempts_of,
+    exact,
+    replaces,
+    rules_for,
+    rulings,
+    sort_key,
+)
 from roah_rsbb.scoring.stages import Result, StageRanking, counting_attempts, rank, together
 from roah_rsbb.wording.sheets import end_reason, turn
 from roah_rsbb.wording.times import day_of, has_zone
@@ -217,7 +228,8 @@ def _results(found: Standing, records: Sequence[RunRecord], choice: RunChoice) -
         for run in line.runs:
             points = Fraction(0) if run.disqualified else run.numbers[0] or Fraction(0)
             results.setdefault(line.team, []).append(_result(run.record)._replace(
-                points=points, order=sort_key(run.numbers, run.disqualified, found.criteria), counts=True))
+                points=points, order=sort_key(run.numbers, run.disqualified, found.criteria), counts=True,
+                charged=_charged(run.record, found.criteria[0]), replaces=replaces(run.record)))
     for record in records:
         if record.benchmark == found.benchmark and _was_to_run(record) and _is_shown(record, choice):
             results.setdefault(record.team, []).append(_result(record))
@@ -275,14 +287,24 @@ def _about_column(
 
 
 def _team_line(team: str, runs: List[RankedRun], attempts: AttemptsRule, criteria: Sequence[Criterion]) -> TeamLine:
-    counting = counting_attempts(attempts, [sort_key(run.numbers, run.disqualified, criteria) for run in runs])
+    first = max((place for place, run in enumerate(runs) if replaces(run.record)), default=0)
+    orders = [sort_key(run.numbers, run.disqualified, criteria) for run in runs[first:]]
+    counting = tuple(first + place for place in counting_attempts(attempts, orders))
     own = [runs[place] for place in counting]
     disqualified = all(run.disqualified for run in own)
     if attempts.how in (Attempts.BEST, Attempts.FIRST, Attempts.LAST):
         numbers = own[0].numbers
     else:
         numbers = tuple(together(attempts, [_of_run(run, i, c) for run in own]) for i, c in enumerate(criteria))
+    charged = [sum((_charged(run.record, criterion) for run in runs), Fraction(0)) for criterion in criteria]
+    numbers = tuple(number if not more else (number or 0) + more for number, more in zip(numbers, charged))
     return TeamLine(0, False, team, numbers, disqualified, tuple(runs), counting)
+
+
+def _charged(record: RunRecord, criterion: Criterion) -> Fraction:
+    """Return what a run adds to a number of its team whichever attempt counts."""
+    points = Fraction((record.points.for_team if record.points is not None else "") or 0)
+    return points * sum((exact(term.weight) for term in criterion.terms if term.points == TOTAL), Fraction(0))
 
 
 def _of_run(run: RankedRun, place: int, criterion: Criterion) -> Optional[Fraction]:

@@ -17,7 +17,7 @@ from roah_rsbb.results.standings import number_text, public_standings, run_text,
 from roah_rsbb.rulebook.benchmarks import CountingAttempt, EventRules, NoShow
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.standing_rules import BY_POINTS, Criterion, Rules, StandingRules, Term, read_rules
-from roah_rsbb.scoring.counting import RunChoice
+from roah_rsbb.scoring.counting import RunChoice, Why, rulings
 from roah_rsbb.scoring.standings import DAYS_OF_COMPUTER, WITHOUT_RULES, standing, standings
 from roah_rsbb.wording import times
 
@@ -521,6 +521,35 @@ def test_the_runs_of_a_stage_are_those_that_gave_it_its_numbers():
     assert [criterion.name for criterion in first.criteria] == ["Total", "HGTKMH", "Adjustments"]
     assert next(iter(standing_lines(second))) == "HGTKMH: the mean of each team's best 2 runs counts"
     assert second.lines[0].counting == (1, 2)
+
+
+def test_points_for_the_team_and_an_extra_run_that_replaces_those_before():
+    """-500 for the team whichever attempt counts, and 415 as the best; of B the runs before the extra one are gone."""
+    def run(team, number, total, **fields):
+        record = pointed(team, number, total)
+        return record._replace(points=record.points._replace(**fields))
+
+    records = [run("A", 1, "0", for_team="-500"), run("A", 2, "415"), run("A", 3, "15"),
+               run("B", 4, "700"), run("B", 5, "100", replaces=True), run("B", 6, "60")]
+    rules = StandingRules()
+    rules.stages = (Stage("All", (StageColumn("HGTKMH", weight=Decimal(2)),)),)
+    stage, test = standings(records, rules, ALL)
+    assert [(line.team, line.numbers, line.counting) for line in test.lines] == [
+        ("B", (100,), (1,)), ("A", (-85,), (1,))]
+    assert [(line.team, line.numbers) for line in stage.lines] == [("B", (200, 200)), ("A", (-170, -170))]
+    assert "B, HGTKMH: the attempts before the extra one do not count" in stage.steps
+    assert "A, HGTKMH: −500 for the team, whichever attempt counts" in stage.steps
+
+
+@pytest.mark.parametrize("which, counts", [
+    (CountingAttempt.BEST, ["100"]), (CountingAttempt.ALL, ["100", "60"]), (CountingAttempt.LAST, ["60"])])
+def test_an_extra_run_at_the_same_event_replaces_those_before(which, counts):
+    records = [pointed("A", number, points)._replace(run=1, scheduled=1000.0)
+               for number, points in enumerate(("700", "100", "60"))]
+    records[1] = records[1]._replace(points=records[1].points._replace(replaces=True))
+    found = rulings(records, {}, RunChoice(events={"HGTKMH": EventRules(counting=which)}))
+    assert [ruling.record.points.total for ruling in found if ruling.counts] == counts
+    assert found[0].why is Why.NOT_LAST
 
 
 # -- attempts, no-shows -----------------------------------------------------------------------------
