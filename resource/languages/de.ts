@@ -307,6 +307,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>How the points came about</source>
+        <translation>Wie die Punkte zustande kamen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>The run is still connected. Disconnect it first.</source>
         <translation>Der Lauf ist noch verbunden. Trennen Sie ihn zuerst.</translation>
     </message>
@@ -1715,6 +1720,11 @@
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>in time</source>
         <translation>rechtzeitig</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>After the time limit: it does not count</source>
+        <translation>Nach dem Zeitlimit: zählt nicht</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
@@ -3567,12 +3577,7 @@
         <translation>Der Punkt bekommt keinen Wert: Geben Sie seinen Wert an, oder dass er nicht versucht wurde</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/core/box.py"/>
-        <source>This is a replay of {run}: nothing here is live, and commands have no effect</source>
-        <translation>Dies ist die Wiedergabe von {run}: nichts hier ist live, und Befehle bewirken nichts</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/box.py"/>
+        <location filename="../../src/roah_rsbb/core/authority.py"/>
         <source>This box is superseded: the box at {address} has taken over. Nothing is sent to robots, and commands are refused. Use the panels of the other box</source>
         <translation>Diese Box ist abgelöst: Die Box auf {address} hat übernommen. An Roboter wird nichts gesendet, und Befehle werden abgelehnt. Benutzen Sie die Fenster der anderen Box</translation>
     </message>
@@ -3680,6 +3685,11 @@
         <location filename="../../src/roah_rsbb/core/connections.py"/>
         <source>end another run first</source>
         <translation>beenden Sie zuerst einen anderen Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/continuing.py"/>
+        <source>This is a replay of {run}: nothing here is live, and commands have no effect</source>
+        <translation>Dies ist die Wiedergabe von {run}: nichts hier ist live, und Befehle bewirken nichts</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/continuing.py"/>

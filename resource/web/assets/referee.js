@@ -613,7 +613,7 @@ function Page() {
           ${isJudged && !judge && html`<p class="nothing">${texts.judges_score}</p>`}
           ${zone.items.length > 0 && !isJudged && part(texts.sheet, html`
             <${Sheet} key=${zone.identity} zone=${zone} marks=${marks} texts=${texts} judge=${judge}
-              undo=${judge ? null : (last) => undo(last, texts)} />`)}
+              undo=${judge ? null : (last) => undo(last, texts)} give=${give} />`)}
           ${!judge && zone.switches && part(texts.switches, html`<${Switches} zone=${zone} texts=${texts} />`)}
         </div>
       </fieldset>` : html`<p class="nothing">${live.silentSince === null ? noZone(texts) : words.waiting}</p>`}`;

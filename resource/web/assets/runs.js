@@ -5,7 +5,7 @@ import {reasonsText} from "/assets/device.js";
 import {send} from "/assets/commands.js";
 import {Twice} from "/assets/buttons.js";
 import {HeadReferee, Publication, Reasoned} from "/assets/judging.js";
-import {Sheet} from "/assets/sheet.js";
+import {Sheet, Steps} from "/assets/sheet.js";
 
 // `run`: as in the zone's list of those that wait for a sign-off, or with more from the list of all runs. Whoever pressed
 // its sign-off once, and sees another score then, presses twice again.
@@ -55,9 +55,10 @@ function WholeSheet({zone, run, marks, texts, undo, give, isFixed, hasItems}) {
       <div class="correction">
         <p class="facts">${sheet.facts.join(" · ")}</p>
         ${hasItems ? html`
-          <${Sheet} zone=${{...sheet, zone: zone.zone, identity: run.identity}} marks=${marks} texts=${texts} undo=${undo} />` : html`
+          <${Sheet} zone=${{...sheet, zone: zone.zone, identity: run.identity}} marks=${marks} texts=${texts} undo=${undo}
+            give=${give} />` : html`
           <${Facts} lines=${sheet.items.map((item) => [`${item.group}: ${item.desc}`, item.shown])} />
-          <p class="points">${sheet.points}</p>`}
+          <p class="points">${sheet.points}</p><${Steps} steps=${sheet.steps} texts=${texts} />`}
         <${Facts} lines=${sheet.module} />
         <details class="history"><summary>${texts.history}: ${sheet.history.length}</summary>
           <ul>${sheet.history.map((entry) => html`

@@ -23,7 +23,7 @@ export function RefusedMark({mark, marks, texts}) {
 }
 
 // `mark(item, given, shown)`: enters a mark; `waiting`: marks of this item that were not answered yet.
-function Item({item, zone, waiting, refused, mark, texts, judge}) {
+function Item({item, zone, waiting, refused, mark, texts, judge, give}) {
   const [isOpen, setOpen] = useState(false);
   const [note, setNote] = useState("");
   const enter = (given, shown) => {
@@ -65,6 +65,10 @@ function Item({item, zone, waiting, refused, mark, texts, judge}) {
         ${!judge && html`<button type="button" class="more" aria-expanded=${isOpen} onClick=${() => setOpen(!isOpen)}
             aria-label=${texts.options.replace("{item}", () => name)}>⋯</button>`}
       </div>
+      ${item.late.length > 0 && html`
+        <div class="late"><p>⚠ ${texts.late}</p>${give && html`
+          <${Command} name="in_time" label=${texts.in_time} act=${() => give("in_time", texts, texts.in_time,
+            {identity: zone.identity, entry: item.late[item.late.length - 1]})} />`}</div>`}
       ${isOpen && html`
         <div class="options">
           <button type="button" aria-pressed=${item.not_attempted}
@@ -101,8 +105,8 @@ function Entry({item, label, isLabelShown = false, value, enter, texts}) {
 
 // `judge`: the name of the judge who may only give ratings; empty: a referee.
 // `command`: another one than "mark", on the own sheet of `person`.
-// `undo(mark)` takes the last mark of this device back.
-export function Sheet({zone, marks, texts, judge = "", command = "", person = "", undo = null}) {
+// `undo(mark)` takes the last mark of this device back; `give`: a command, as the referee's page gives it.
+export function Sheet({zone, marks, texts, judge = "", command = "", person = "", undo = null, give = null}) {
   const last = marks.last(zone.identity);
   const items = judge ? zone.items.filter((item) => item.judges.includes(judge)) : zone.items;
   const mark = (item, given, shown) => marks.add({
@@ -119,9 +123,16 @@ export function Sheet({zone, marks, texts, judge = "", command = "", person = ""
         <h3>${group}</h3>
         <ul>${items.filter((item) => item.group === group).map((item) => html`
           <${Item} key="${group}/${item.desc}" item=${item} zone=${zone} waiting=${marks.waiting.filter(isOf(item))}
-            refused=${marks.refused.filter(isOf(item))} mark=${mark} texts=${texts} judge=${judge} />`)}</ul>`)}
+            refused=${marks.refused.filter(isOf(item))} mark=${mark} texts=${texts} judge=${judge} give=${judge ? null : give} />`)}</ul>`)}
       ${zone.points && html`<p class="points">${zone.points}</p>`}
+      <${Steps} steps=${zone.steps} texts=${texts} />
       ${undo && html`<${Command} key=${last ? last.number : ""} name="undo" label=${last ? texts.undo.replace("{mark}", () => last.shown) : texts.nothing_to_undo}
         isBare reasons=${last ? [] : [""]} act=${() => undo(last)} />`}
     </section>`;
+}
+
+// How points came about, where a reader could doubt it.
+export function Steps({steps, texts}) {
+  return steps.length > 0 && html`
+    <details class="steps"><summary>${texts.steps}</summary><ul>${steps.map((step) => html`<li key=${step}>${step}</li>`)}</ul></details>`;
 }

@@ -139,6 +139,8 @@ class SheetItem(NamedTuple):
     ratings: Tuple[str, ...] = ()  # by each judge; an empty text: none yet
     jury: str = ""  # how ratings become one: mean, median or without extremes
     needs: Tuple[str, ...] = ()  # desc of each item that must be given for this one to count
+    unit: str = ""  # of the value, such as %
+    late: Tuple[int, ...] = ()  # numbers of its entries that do not count, because they came after the time limit
 
 
 class Switches(NamedTuple):

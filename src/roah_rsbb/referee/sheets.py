@@ -105,6 +105,14 @@ def _withdraw(call: Call) -> Exit:
     return _entered(call, "withdraw")
 
 
+@COMMANDS.add("in-time", "say that an entry after the time limit was seen before it, so that it counts",
+              ["'Home A' 7", "'Home A' 7 --late --run last"], ZONE,
+              argument("entry", type=counted, help="number of the entry ('sheet' shows it)"),
+              switch("--late", "no, it was late"), BY, OF_RUN)
+def _in_time(call: Call) -> Exit:
+    return _entered(call, "in_time")
+
+
 @COMMANDS.add("reason", "record why a run was stopped, until it is signed off",
               ["'Home A' 'fire alarm'", "'Home A' 'hit the vase' --run last --end 1"], ZONE,
               argument("reason", metavar="TEXT", help="the reason; it replaces an earlier one"),

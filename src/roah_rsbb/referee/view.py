@@ -177,6 +177,7 @@ def item_lines(items: Sequence[SheetItem], points: Optional[SheetPoints], style:
             lines.append(f"{_IN}{escaped(item.group)}")
         lines.append(_sheet_line(number, item, style) + (mark if item.corrected else ""))
     total = sheets.points_text(points)
+    lines += [f"{_IN}{_IN}{escaped(step)}" for step in sheets.steps_text(points)]
     return [*lines, f"{_IN}{style(BOLD, escaped(total))}"] if total else lines
 
 
@@ -191,22 +192,19 @@ def _module_sheet(zone: ZoneSeen, style: Style) -> List[str]:
 
 def _sheet_line(number: int, item: SheetItem, style: Style) -> str:
     """Return the line of a scoring item in its sheet: number, value, points, text and ratings."""
-    value = f"{escaped(item_text(item)):>5}"
+    value = f"{escaped(sheets.item_text(item)):>5}"
     marked = sheets.is_marked(item.value, item.text) or item.not_attempted
     points = f"{item.points:>8}" if item.points else ""
     ratings = sheets.ratings_text(zip(item.judges, item.ratings))
     more = f" ({escaped(ratings)})" if ratings else ""
+    if item.late:
+        more += style(YELLOW, f" (entry {', '.join(map(str, item.late))}: after the time limit, does not count)")
     return f"{_IN}{number:4}  {style(BOLD, value) if marked else value}{points}  {escaped(item.desc)}{more}"
-
-
-def item_text(item: SheetItem) -> str:
-    """The value of a scoring item."""
-    return sheets.item_value(item.type, item.value, item.not_attempted, item.text)
 
 
 def item_line(item: SheetItem) -> str:
     """Return a scoring item and its value in one line."""
-    return f"{escaped(item.group)}: {escaped(item.desc)}: {item_text(item)}"
+    return f"{escaped(item.group)}: {escaped(item.desc)}: {sheets.item_text(item)}"
 
 
 def _which(event: Union[Event, EventSeen, RunLine]) -> str:

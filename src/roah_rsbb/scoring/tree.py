@@ -11,7 +11,7 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.model.reason import say
+from roah_rsbb.model.reason import Reason, say
 from roah_rsbb.model.rules import Condition, Incident, Item, Measure, Sheet, Voids
 from roah_rsbb.wording.times import elapsed
 
@@ -93,6 +93,11 @@ def count(sheet: Sheet, course: Course) -> Worth:
     tree = _Tree(sheet, run.left(void), run.decided, course)
     total = tree.total()
     return Worth(total, tree.points, tree.own, tree.amounts(), (*steps, *tree.steps), void, run.replaces, tree.charged)
+
+
+def is_late(why: str) -> bool:
+    """Whether a mark does not count because it came after the time limit."""
+    return isinstance(why, Reason) and why.template == LATE
 
 
 def void_marks(sheet: Sheet, course: Course) -> Mapping[int, str]:

@@ -78,6 +78,7 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
         "switches": None if zone.switches is None else zone.switches._asdict(),
         "items": [item_page(item) for item in zone.items],
         "points": sheets.points_text(zone.points),
+        "steps": sheets.steps_text(zone.points),
         "unsigned": [_unsigned_run(run, moments, utc_s) for run in unsigned],
         "unlisted": len(waiting) - len(unsigned),
         "judging": [_judging(judgings[run.identity], run, moments, utc_s) for run in runs
@@ -93,7 +94,8 @@ def moment(document: Document, utc_s: float) -> Tuple[object, ...]:
 
 def sheet_page(sheet: RunSheet) -> Data:
     """Return the score sheet of a run, as `zone_page` has that of the run in the zone."""
-    return {"items": [item_page(item) for item in sheet.items], "points": sheets.points_text(sheet.points)}
+    return {"items": [item_page(item) for item in sheet.items], "points": sheets.points_text(sheet.points),
+            "steps": sheets.steps_text(sheet.points)}
 
 
 def clock_page(zone: ZoneSeen, mono: float) -> Data:
@@ -137,7 +139,7 @@ def item_page(item: SheetItem) -> Data:
     return {
         "group": item.group, "desc": item.desc, "type": item.type, "value": item.value,
         "text": item.text, "not_attempted": item.not_attempted, "points": number(item.points),
-        "shown": sheets.item_value(item.type, item.value, item.not_attempted, item.text),
+        "shown": sheets.item_text(item), "late": item.late,
         "min": item.min, "max": item.max, "choices": item.choices, "judges": item.judges, "ratings": item.ratings,
     }
 

@@ -3,7 +3,7 @@
 from typing import Any, Dict
 
 from roah_rsbb.model.actions import ACTIONS, ENTRIES, Action
-from roah_rsbb.wording import judging, schedule, stop, whole_box
+from roah_rsbb.wording import judging, schedule, sheets, stop, whole_box
 from roah_rsbb.wording.language import tr, tr_later, tr_words
 
 # The roles of devices, by the names in the ROS interface.
@@ -75,7 +75,8 @@ def page_words() -> Dict[str, Any]:
             all_events="All events", no_events="No event fits these filters.", choose_event="Choose this event",
             leave_unsigned="{run} is not signed off. Its score sheet stays in Results.",
             hidden="{number} more are not shown", no_robot=whole_box.NO_ROBOT, no_runs="This zone has no run yet.",
-            history="History", ends="Ends", withdraw=ENTRIES["withdraw"].label,
+            history="History", ends="Ends", withdraw=ENTRIES["withdraw"].label, in_time=ENTRIES["in_time"].label,
+            late=sheets.LATE, steps="How the points came about",
             still_connected="The run is still connected. Disconnect it first.", shown_text="Text", search="Search",
             matches="{number} lines", online="Online Data", no_log="Nothing has been logged yet",
             no_online="No online data from the robot yet", tablet="Tablet", no_tablet="The tablet was never heard",

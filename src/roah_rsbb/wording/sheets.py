@@ -12,6 +12,7 @@ from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Se
 from roah_rsbb.model.reason import joined, say
 from roah_rsbb.model.records import ItemRecord, Outage, ScoreEntry, SheetPoints
 from roah_rsbb.model.results import HistoryEntry
+from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.wording.language import number, tr, tr_later, tr_said
 from roah_rsbb.wording.times import NOTHING
 
@@ -19,6 +20,7 @@ NOT_ATTEMPTED = tr_later("not attempted")
 CORRECTED = tr_later("corrected")
 NOT_SAVED = tr_later("not saved yet")
 IN_TIME = tr_later("in time")
+LATE = tr_later("After the time limit: it does not count")
 CORRECTION = tr_later("correction")
 OPEN = tr_later("open")
 SIGNED_OFF = tr_later("signed off")
@@ -135,6 +137,17 @@ def author(who: str, role: str, device: str) -> str:
 
 
 # -- items and sums ---------------------------------------------------------------------------------
+
+
+def item_text(item: SheetItem) -> str:
+    """Return the value of a scoring item of a sheet."""
+    text = item_value(item.type, item.value, item.not_attempted, item.text)
+    return f"{text} {item.unit}" if item.unit and not item.not_attempted else text
+
+
+def steps_text(points: Optional[SheetPoints]) -> List[str]:
+    """Return in the present language how points came about, where a reader could doubt it."""
+    return [] if points is None else list(map(tr_said, points.steps))
 
 
 def item_value(type_: str, value: int, not_attempted: bool = False, text: str = "") -> str:

@@ -197,7 +197,7 @@ class ZoneViews:
         counted, kept = run.book.counted(_end(run)), self._sheets.get(name)
         if kept is None or kept[0] is not counted:
             form = None if run.book.form.is_plain else run.book.form
-            kept = self._sheets[name] = counted, sheet_items(counted.items, form)
+            kept = self._sheets[name] = counted, sheet_items(counted.items, form, run.sheet.history)
         return kept
 
 

@@ -2,12 +2,12 @@
 
 import json
 import zlib
-from typing import Iterable, List, Optional, Sequence, Tuple
+from typing import Dict, Iterable, List, Optional, Sequence, Tuple
 
 from roah_rsbb.core.desks import RunJudging
 from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.reason import joined
-from roah_rsbb.model.records import ItemRecord, JudgeSheet, Objection, RunRecord, grouped
+from roah_rsbb.model.records import ItemRecord, JudgeSheet, Objection, RunRecord, ScoreEntry, grouped
 from roah_rsbb.model.results import (
     AGREED,
     DIFFER,
@@ -24,25 +24,33 @@ from roah_rsbb.model.results import (
     RunSheet,
 )
 from roah_rsbb.model.rules import Number
-from roah_rsbb.model.scoring import ScoreKind, ScoringItem, SheetForm
+from roah_rsbb.model.scoring import Key, ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.scoring.counting import Why
 from roah_rsbb.scoring.judges import ItemVerdict
 from roah_rsbb.scoring.points import text_of
+from roah_rsbb.scoring.tree import is_late
 from roah_rsbb.wording.sheets import GroupOfValues, history_entry, points_said, score_line, sums_text
 
 _TYPES = frozenset(kind.word for kind in ScoreKind)
 
 
-def sheet_items(items: Sequence[ItemRecord], form: Optional[SheetForm]) -> Tuple[SheetItem, ...]:
-    """Return all items of a score sheet, with what each takes. `form`: None if the items have no rules."""
+def sheet_items(
+    items: Sequence[ItemRecord], form: Optional[SheetForm], history: Iterable[ScoreEntry] = ()
+) -> Tuple[SheetItem, ...]:
+    """Return all items of a score sheet, with what each takes. `form`: None if the items have no rules; `history`:
+    entries, of which some may be late."""
     rules = {} if form is None else {item.key: item for item in form.items}
-    return tuple(_item(item, rules.get(item.key)) for item in items)
+    late: Dict[Key, Tuple[int, ...]] = {}
+    for entry in history:
+        if entry.void and is_late(entry.void):
+            late[entry.group, entry.desc] = (*late.get((entry.group, entry.desc), ()), entry.number)
+    return tuple(_item(item, rules.get(item.key), late.get(item.key, ())) for item in items)
 
 
-def _item(record: ItemRecord, rule: Optional[ScoringItem]) -> SheetItem:
+def _item(record: ItemRecord, rule: Optional[ScoringItem], late: Tuple[int, ...]) -> SheetItem:
     found = SheetItem(record.group, record.desc, _type(record), record.value, record.not_attempted, record.corrected,
-                      record.text, record.points)
+                      record.text, record.points, late=late)
     if rule is None:
         return found
     ratings = dict(record.ratings)
@@ -52,6 +60,7 @@ def _item(record: ItemRecord, rule: Optional[ScoringItem]) -> SheetItem:
         choice_points=tuple(_number(choice.points) for choice in rule.choices),
         judges=rule.judges, ratings=tuple(ratings.get(judge, "") for judge in rule.judges),
         jury=rule.jury.value if rule.judges else "", needs=tuple(desc for _, desc in rule.needs),
+        unit=rule.unit,
     )
 
 
@@ -82,7 +91,8 @@ def run_sheet(record: RunRecord, why: Optional[Why]) -> RunSheet:
     """Return a run with its score sheet."""
     kinds = {item.key: _type(item) for item in record.items}
     return RunSheet(
-        run_line(record, why), tuple(record.robots), record.elapsed_s, sheet_items(record.items, record.form),
+        run_line(record, why), tuple(record.robots), record.elapsed_s,
+        sheet_items(record.items, record.form, record.history),
         tuple(history_entry(entry, kinds.get((entry.group, entry.desc), "uint")) for entry in record.history),
         tuple(RunEnd(number, stop.utc, stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by)
               for number, stop in enumerate(record.stops, 1)),

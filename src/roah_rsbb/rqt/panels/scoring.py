@@ -5,6 +5,7 @@ import html
 from functools import partial
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Type, Union
 
+from roah_rsbb.model.actions import ENTRIES
 from roah_rsbb.model.records import ScoreValue, SheetPoints
 from roah_rsbb.model.results import HistoryEntry
 from roah_rsbb.model.scoring import Entered
@@ -32,6 +33,7 @@ from roah_rsbb.rqt.qt import (
     QKeySequence,
     QLabel,
     QLineEdit,
+    QPushButton,
     QScrollArea,
     QShortcut,
     QStackedLayout,
@@ -44,6 +46,7 @@ from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.sheets import scores_by_group
 from roah_rsbb.wording.times import NOTHING
 
+IN_TIME = ENTRIES["in_time"]
 NO_RUN = tr_later("Scoring begins when a robot is connected.")
 NO_ITEMS = tr_later("This benchmark has nothing for the referee to score.")
 SILENT = tr_later("The box is silent: nothing can be scored now")
@@ -409,6 +412,11 @@ class ScoringPanel(Panel):
         self.points = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), 1.2, bold=True)
         self.points.hide()
         self.body.addWidget(self.points)
+        self.late = basic.enlarged(QPushButton(), 1.1)
+        self.late.clicked.connect(self._say_in_time)
+        self.late.hide()
+        self._late_entry = 0
+        self.body.addWidget(self.late)
         self.undo = UndoRow(self._undo)
         self.body.addWidget(self.undo)
         self.answer = AnswerLine()
@@ -478,6 +486,13 @@ class ScoringPanel(Panel):
                 row.ratings.show_ratings([
                     (judge[2], self._edits.value(judge, text)) for judge, text in zip(judges, item.ratings)])
         self._show_points(points)
+        late = [item for item in items if item.late]
+        self.late.setVisible(bool(late))
+        if late:
+            item = max(late, key=lambda item: item.late[-1])
+            self._late_entry = item.late[-1]
+            self.late.setText(f"{item.desc}: {tr(sheets.LATE)}. {tr(IN_TIME.label)}".replace("&", "&&"))
+            self.late.setEnabled(not why_off)
 
     def _show_points(self, points: Optional[SheetPoints]) -> None:
         groups = () if points is None else points.groups
@@ -486,6 +501,7 @@ class ScoringPanel(Panel):
         text = sheets.points_text(points)
         if text != self.points.text():
             self.points.setText(text)
+        self.points.setToolTip(basic.tip("\n".join(sheets.steps_text(points))))
 
     def _build(self, items: Sequence[SheetItem]) -> None:
         """Create the rows of another sheet."""
@@ -516,6 +532,13 @@ class ScoringPanel(Panel):
         what = tr(UNDO, mark=sheets.mark_text(entry))
         self.client.calls.act(self, "withdraw", zone.zone, zone.identity, {"entry": entry.number},
                               self.answer.begin(what))
+
+    def _say_in_time(self) -> None:
+        """What the newest late entry marks was seen before the time limit."""
+        zone = self.model.zone
+        if zone is not None and zone.identity:
+            self.client.calls.act(self, IN_TIME.name, zone.zone, zone.identity, {"entry": self._late_entry},
+                                  self.answer.begin(tr(IN_TIME.label)))
 
     def _change(self, item: ItemName, value: Value, judge: str = NO_JUDGE) -> None:
         """Handle another value that the referee set."""
