@@ -7,7 +7,7 @@ under, because lists are what records, journals and faces hold. Numbers are exac
 import enum
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Optional, Tuple
+from typing import NamedTuple, Optional, Tuple
 
 Number = Optional[Decimal]
 
@@ -247,6 +247,17 @@ class Adjusted:
         return f"{self.team}, {self.stage}: {self.name}{points}{f' ({self.reason})' if self.reason else ''}"
 
 
+class Advance(NamedTuple):
+    """How many teams advance."""
+
+    teams: int  # from so many teams on
+    advance: int
+
+    def __str__(self) -> str:
+        """As people read it."""
+        return f"from {self.teams} teams on {self.advance}"
+
+
 @dataclass(frozen=True)
 class Stage:
     """A ranking of teams by several tests or earlier stages."""
@@ -256,7 +267,7 @@ class Stage:
     teams: str = ""  # name of the stage from which teams advanced; empty: all teams
     normalised: Scale = Scale.NO
     adjustments: Tuple[Adjustment, ...] = ()
-    advance: Tuple[Tuple[int, int], ...] = ()  # from so many teams on, so many advance; empty: all
+    advance: Tuple[Advance, ...] = ()  # empty: all
     others: Others = Others.BELOW
     ties: Tuple[str, ...] = ()  # tests or earlier stages that decide where teams tie, the first one first
     asks: bool = False  # where nothing decides who advances, a person does; else all who tie advance

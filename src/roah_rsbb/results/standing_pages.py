@@ -32,6 +32,9 @@ def standing_markup(standing: Standing, sheets: Mapping[str, str]) -> Markup:
         ], ("number", "team", *("number" for _ in names), "")),
     ]
     parts += [tag("p", remark, class_="small") for remark in standing.remarks]
+    if standing.steps:
+        parts.append(tag("details", tag("summary", "How the numbers came about"),
+                         *(tag("p", step) for step in standing.steps), class_="small"))
     return joined(parts)
 
 

@@ -7,6 +7,7 @@ import collections
 from dataclasses import fields, is_dataclass
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple
 
+from roah_rsbb.model.rules import AttemptsRule
 from roah_rsbb.model.scoring import ScoreKind
 from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.errors import quote
@@ -40,7 +41,7 @@ def changes(before: Config, after: Config, ran: Iterable[EventKey] = ()) -> List
     if before.time_zone != after.time_zone:
         has_days = any(column.day for stage in after.ranking.stages for column in stage.of)
         found.append(f"time zone: {before.time_zone or 'none'}, now {after.time_zone or 'none'}"
-                     + (". The days of the overall standings are those of the new one" if has_days else ""))
+                     + (". The days of the stages are those of the new one" if has_days else ""))
     for name, reading in _readings(after).items():
         if _readings(before).get(name, reading) != reading:
             found.append(f"decision {quote(name)}: {_readings(before)[name]}, now {reading}")
@@ -85,7 +86,7 @@ def differences(name: str, before: Any, after: Any) -> List[str]:
     known = after if before is None else before
     if is_dataclass(known) and type(known).__str__ is object.__str__ and None in (before, after):
         return [f"{name}: {'added' if before is None else 'removed'}"]
-    if is_dataclass(before) and type(before) is type(after):
+    if is_dataclass(before) and type(before) is type(after) and not isinstance(before, AttemptsRule):
         found = []
         for field in fields(before):
             label = _NAMES.get(field.name, field.name.replace("_", " "))

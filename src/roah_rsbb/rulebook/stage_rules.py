@@ -9,6 +9,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Type, TypeVar
 from roah_rsbb.model.rules import (
     Adjusted,
     Adjustment,
+    Advance,
     Attempts,
     AttemptsRule,
     Disqualified,
@@ -192,16 +193,16 @@ class StageReader:
 
         return tuple(self._texts(node, "ties", "tests or earlier stages", read))
 
-    def _advance(self, node: Optional[Node]) -> Tuple[Tuple[int, int], ...]:
+    def _advance(self, node: Optional[Node]) -> Tuple[Advance, ...]:
         if isinstance(node, Scalar):
             number = integer(self._report, node, "advance", 1, MAX_NUMBER)
-            return () if number is None else ((0, number),)
+            return () if number is None else (Advance(0, number),)
         found = []
         for key, value in self._pairs(node, "advance", "{0: 3, 10: 4}: from 10 teams on, 4 advance"):
             least = integer(self._report, key, "the number of teams", 0, MAX_NUMBER)
             most = integer(self._report, value, "how many advance", 1, MAX_NUMBER)
             if least is not None and most is not None:
-                found.append((least, most))
+                found.append(Advance(least, most))
         if node is not None and found and min(found)[0] > 1:
             self._report.error(node.place, f"nothing for fewer than {min(found)[0]} teams", "also '0: 3'")
         return tuple(sorted(found))

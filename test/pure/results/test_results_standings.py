@@ -514,13 +514,14 @@ def test_the_runs_of_a_stage_are_those_that_gave_it_its_numbers():
     rules = StandingRules({"HGTKMH": BY_POINTS._replace(attempts=AttemptsRule(Attempts.MEAN, 2))})
     rules.stages = (Stage("All", (StageColumn("HGTKMH"),), adjustments=(Adjustment("Late", Decimal(-5)),)),)
     rules.adjusted = (Adjusted("B", "All", "Late", Decimal(-5)),)
-    records = [pointed("A", number, str(points)) for number, points in enumerate((1, 7, 4))]
+    records = [pointed("A", number, str(points)) for number, points in enumerate((4, 1, 7))]
     first, second = standings(records, rules, ALL)
     assert [(line.team, line.numbers, [run.numbers[0] for run in line.runs]) for line in first.lines] == [
-        ("A", (5.5, 5.5, 0), [7, 4]), ("B", (-5, 0, -5), [])]
+        ("A", (5.5, 5.5, 0), [4, 7]), ("B", (-5, 0, -5), [])]
     assert [criterion.name for criterion in first.criteria] == ["Total", "HGTKMH", "Adjustments"]
     assert next(iter(standing_lines(second))) == "HGTKMH: the mean of each team's best 2 runs counts"
-    assert second.lines[0].counting == (1, 2)
+    assert second.lines[0].counting == (0, 2)
+    assert "A: HGTKMH 5.5 = 5.5" in standing_markup(first, {})
 
 
 def test_points_for_the_team_and_an_extra_run_that_replaces_those_before():

@@ -3,6 +3,8 @@
 import dataclasses
 from decimal import Decimal
 
+import pytest
+
 from helpers.competition import BUMPS, DOOR, UTC0, competition, event
 from roah_rsbb.model.rules import Stage, StageColumn
 from roah_rsbb.model.scoring import NO_SHEET_RULES, SheetRules, TimeLeft
@@ -11,7 +13,7 @@ from roah_rsbb.rulebook.changes import changes, warnings
 from roah_rsbb.rulebook.errors import Place
 from roah_rsbb.rulebook.event_ids import key_of
 from roah_rsbb.rulebook.registry import PROFILES
-from roah_rsbb.rulebook.standing_rules import StandingRules
+from roah_rsbb.rulebook.standing_rules import StandingRules, read_rules
 from roah_rsbb.wording.times import date_time
 
 THEN, LATER = date_time(UTC0), date_time(UTC0 + 60.0)
@@ -70,7 +72,38 @@ def test_days_of_standings_are_those_of_the_time_zone():
     rules.stages = (Stage("All", (StageColumn("HNF", day="2026-11-28"),)),)
     before, after = (dataclasses.replace(config, ranking=rules) for config in (before, after))
     assert changes(before, after) == [
-        "time zone: none, now Asia/Tokyo. The days of the overall standings are those of the new one"]
+        "time zone: none, now Asia/Tokyo. The days of the stages are those of the new one"]
+
+
+RANKED = """
+HWV: { runs: best }
+stages:
+  - name: Tasks
+    of: [ { test: HWV, weight: 2, attempts: best } ]
+    adjustments: { Late: -5, Untidy: { from: -50, to: 0 } }
+    advance: { 0: 3, 9: 4 }
+    given: [ { team: A, adjustment: Late }, { team: A, adjustment: Late } ]
+"""
+
+
+@pytest.mark.parametrize("old, new, expected", [
+    ("{ runs: best }", "{ runs: last }", ["standings of HWV: other rules"]),
+    ("weight: 2", "weight: 3", ["stages: 'Tasks': of: 'HWV': weight 2, now 3"]),
+    ("attempts: best", "attempts: mean of the best 2",
+     ["stages: 'Tasks': of: 'HWV': attempts best, now mean of the best 2"]),
+    ("9: 4", "9: 5", ["stages: 'Tasks': advance: 'from 9 teams on 4' removed, advance: 'from 9 teams on 5' added"]),
+    (", { team: A, adjustment: Late }", "", ["team A, Tasks: Late -5: no longer given"]),
+    (" ]\n", ", { team: B, adjustment: Untidy, points: -9, reason: cables } ]\n",
+     ["team B, Tasks: Untidy -9 (cables): given"]),
+])
+def test_what_changed_in_the_rules_of_the_standings(tmp_path, old, new, expected):
+    texts = RANKED, new.join(RANKED.rsplit(old, 1))
+    configs = []
+    for text in texts:
+        (tmp_path / "standings.yaml").write_text(text)
+        rules = read_rules(str(tmp_path / "standings.yaml"))
+        configs.append(dataclasses.replace(competition(a=["HNF"]), ranking=rules))
+    assert changes(*configs) == expected
 
 
 def with_id(own, code="HNF", **of_event):

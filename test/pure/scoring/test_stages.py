@@ -155,6 +155,7 @@ def test_the_final_ranking_in_each_reading(changes, expected):
     _, last = at_home(*changes)
     assert table(last) == [(place, team, total) for place, (team, total) in enumerate(expected, 1)] + [
         (4, "D", None), (5, "E", None), (6, "F", None)]
+    assert {(line.numbers, line.adjusted, line.disqualified) for line in last.lines[3:]} == {((None, None), 0, False)}
 
 
 def test_who_is_not_in_the_final_may_be_ranked_with_all():
@@ -228,7 +229,8 @@ def test_what_is_charged_to_the_team_and_what_an_extra_run_replaces():
     assert number_of(AttemptsRule(Attempts.LAST), charged) == -85
     extra = [Result(Fraction(700)), Result(Fraction(100), replaces=True)]
     assert [number_of(AttemptsRule(how), extra) for how in (Attempts.BEST, Attempts.FIRST, Attempts.SUM)] == [100] * 3
-    assert number_of(AttemptsRule(), [*charged[1:], Result(None)]) == 415, "a number that is missing is the worst"
+    assert number_of(AttemptsRule(Attempts.SUM), [*extra, Result(Fraction(5), replaces=True), *charged]) == -65
+    assert number_of(AttemptsRule(), [Result(None), Result(Fraction(-5))]) == -5, "no number is the worst"
     assert number_of(AttemptsRule(Attempts.LAST), [*charged[1:], Result(None, counts=False)]) == 415
 
 
@@ -320,6 +322,7 @@ def test_adjustments_count_each_time_or_at_most_so_often():
     given = [*[("A", "Late", -250)] * 2, *[("B", "Missing", -250)] * 2, ("C", "Untidy", -30)]
     first, _ = ranked(rules, FOUR, given)
     assert {line.team: line.total for line in first.lines} == {"A": -150, "B": -410, "C": 50, "D": 70}
+    assert not any(line.disqualified for line in first.lines)
     assert "A: Late counts at most 1 times" in first.steps
     assert "B: T 90 − Missing 500 = −410" in first.steps
     least, _ = ranked(rules.replace("advance: 2", "min: 0"), FOUR, given)
