@@ -2775,6 +2775,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>The run is over. Start it again?</source>
+        <translation>Der Lauf ist vorbei. Wieder starten?</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>The run is in progress. Disconnect?</source>
         <translation>Der Lauf ist im Gange. Trennen?</translation>
     </message>

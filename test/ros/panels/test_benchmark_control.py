@@ -189,6 +189,23 @@ class TestBenchmarkControl(PanelCase):
         self.wait_answered()
         self.wait_phase("ENDED")
 
+    def test_start_asks_only_after_a_run_that_nobody_stopped(self) -> None:
+        self.run_zones()
+        self.zone.command("stop")
+        self.wait_phase("ENDED")
+        click(self.buttons["start"])
+        self.wait_phase("RUNNING")
+        self.zone.end("completed")
+        self.wait_phase("ENDED")
+        for role in (QMessageBox.RejectRole, QMessageBox.AcceptRole):
+            self.core.calls.clear()
+            click(self.buttons["start"])
+            self.assertEqual(question().text(), "The run is over. Start it again?")
+            self.assertIn("START would continue the run", question().informativeText())
+            answer(question(), role)
+        self.wait_phase("RUNNING")
+        self.assertEqual(self.core.calls, [("start", "Home A")])
+
     def test_disconnect_asks_while_the_run_is_in_progress(self) -> None:
         self.run_zones()
         click(self.buttons["disconnect"])

@@ -14,6 +14,7 @@ from roah_rsbb.ground.linux import open_in_browser
 from roah_rsbb.model.actions import ACTIONS, Action
 from roah_rsbb.model.fields import Team, entered
 from roah_rsbb.model.reason import MAX_NOTE
+from roah_rsbb.model.records import RAN_TO_THE_END
 from roah_rsbb.model.results import RunLine
 from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, ZoneSeen
 from roah_rsbb.rqt import basic, keys
@@ -212,6 +213,8 @@ class TwiceKey:
 COMMANDS = {name: ACTIONS[name] for name in ("previous", "next", "connect", "start", "disconnect")}
 SMALL = ("previous", "next")
 START_KEYS = tr_later("keys: F5 twice")
+# Reasons for an end that START would take back, although no referee stopped the run.
+_BY_ITSELF = frozenset(reason.name.lower() for reason in RAN_TO_THE_END)
 NO_ZONE = tr_later("This zone is not in the schedule. Choose a zone above.")
 
 # The usual next command of each phase is highlighted while it is possible, and nothing must be done before.
@@ -410,6 +413,9 @@ class BenchmarkControlPanel(Panel):
             box = ask(self, question, why, tr(COMMANDS[name].label),
                       partial(self._disconnect, zone, self.model.identity_of(zone)))
             keep_true(box, self.model, partial(self._leaving, zone))
+        elif name == "start" and self.model.zone is not None and self.model.zone.end_reason in _BY_ITSELF:
+            ask(self, tr("The run is over. Start it again?"), "\n".join(map(tr_said, self.model.zone.state)),
+                tr(COMMANDS[name].label), partial(self._send_if_same, ACTIONS[name], self.model.zone))
         else:
             self._confirm(ACTIONS[name], self.model.zone)
 
