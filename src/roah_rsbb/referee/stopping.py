@@ -123,10 +123,7 @@ class ZoneStop:
         """Return how far it came. A robot is judged by what the core has published since its answer. While none of
         this has come, the time counts from the answer."""
         after = self.after
-        where = way(
-            now_s - self.since_s, self.has_answer, after is not None and after.by_hand,
-            after is None or after.phase == RUNNING or bool(after.not_stopped),
-        )
+        where = way(now_s - self.since_s, self.has_answer, after)
         robots = () if after is None or where in DONE else after.not_stopped
         return StopLine(self.zone, where.value, way_text(where, self.zone), robots,
                         self.trouble if after is None and where in LOST else self.unsaved)

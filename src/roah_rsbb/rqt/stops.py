@@ -178,8 +178,7 @@ class Stops(QObject):
         if zone is not None and not is_same and one.identity:
             one.until_mono = min(one.until_mono, now)  # the run was left: the STOP concerns nobody any more
             return
-        one.way = stop.way(now - one.sent_mono, one.box_has_it, is_same and zone.by_hand,
-                           not is_same or runs or bool(zone.not_stopped))
+        one.way = stop.way(now - one.sent_mono, one.box_has_it, zone if is_same else None)
         if one.way in stop.DONE and not one.is_done:
             one.is_done, one.until_mono = True, now + DONE_S
 

@@ -1,8 +1,9 @@
 """The way of a STOP: sent, received by the box, received by the robot (docs/referee.md, "How to stop a robot")."""
 
 import enum
+from typing import Optional
 
-from roah_rsbb.model.zone import ENDED, ZoneSeen
+from roah_rsbb.model.zone import ENDED, RUNNING, ZoneSeen
 from roah_rsbb.wording.language import tr, tr_later
 
 # After this time (s) without an answer of the box, or of the robot, the referee must act.
@@ -45,18 +46,18 @@ LOST = (Way.LOST_BOX, Way.LOST_ROBOT)
 DONE = (Way.STOPPED, Way.NO_ROBOT)
 
 
-def way(passed_s: float, box_has_it: bool, is_by_hand: bool, not_stopped: bool) -> Way:
+def way(passed_s: float, box_has_it: bool, zone: Optional[ZoneSeen]) -> Way:
     """Return how far a STOP came, `passed_s` seconds after it was sent.
 
-    `box_has_it`: the box answered, or reports that the run is over. `is_by_hand`: the run has no robot.
-    `not_stopped`: a robot of the run does not report STOP.
+    `box_has_it`: the box answered, or reports that the run is over. `zone`: as it is since then; None: that is not
+    known, or it shows another run.
     """
     is_late = passed_s >= NOT_DELIVERED_S
     if not box_has_it:
         return Way.LOST_BOX if is_late else Way.SENT
-    if is_by_hand:
+    if zone is not None and zone.by_hand:
         return Way.NO_ROBOT
-    if not_stopped:
+    if zone is None or zone.phase == RUNNING or zone.not_stopped:
         return Way.LOST_ROBOT if is_late else Way.AT_BOX
     return Way.STOPPED
 

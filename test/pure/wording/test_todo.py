@@ -66,21 +66,21 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 SOON, LATE = NOT_DELIVERED_S - 0.01, NOT_DELIVERED_S
 
 
-@pytest.mark.parametrize("passed_s, box_has_it, is_by_hand, not_stopped, expected", [
-    (0.0, False, False, True, Way.SENT),
-    (SOON, False, False, True, Way.SENT),
-    (LATE, False, False, True, Way.LOST_BOX),
-    (1e6, False, True, False, Way.LOST_BOX),
-    (0.0, True, False, True, Way.AT_BOX),
-    (SOON, True, False, True, Way.AT_BOX),
-    (LATE, True, False, True, Way.LOST_ROBOT),
-    (0.0, True, False, False, Way.STOPPED),
-    (1e6, True, False, False, Way.STOPPED),
-    (0.0, True, True, False, Way.NO_ROBOT),
-    (1e6, True, True, True, Way.NO_ROBOT),
+UNKNOWN, RUNS = None, {"phase": "running", "not_stopped": ()}
+MOVES, STANDS = ({"phase": "ended", "not_stopped": robots} for robots in (("mbot of team A",), ()))
+BY_HAND = {**STANDS, "by_hand": True}
+
+
+@pytest.mark.parametrize("passed_s, box_has_it, after, expected", [
+    (0.0, False, RUNS, Way.SENT), (SOON, False, UNKNOWN, Way.SENT), (LATE, False, RUNS, Way.LOST_BOX),
+    (1e6, False, BY_HAND, Way.LOST_BOX),
+    *((passed_s, True, after, expected) for after in (UNKNOWN, RUNS, MOVES)
+      for passed_s, expected in ((0.0, Way.AT_BOX), (SOON, Way.AT_BOX), (LATE, Way.LOST_ROBOT))),
+    (0.0, True, STANDS, Way.STOPPED), (1e6, True, STANDS, Way.STOPPED),
+    (0.0, True, BY_HAND, Way.NO_ROBOT), (1e6, True, {**BY_HAND, **RUNS}, Way.NO_ROBOT),
 ])
-def test_how_far_a_stop_came(passed_s, box_has_it, is_by_hand, not_stopped, expected):
-    assert way(passed_s, box_has_it, is_by_hand, not_stopped) is expected
+def test_how_far_a_stop_came(passed_s, box_has_it, after, expected):
+    assert way(passed_s, box_has_it, None if after is None else zone(**after)) is expected
 
 
 def test_the_referee_must_act_after_a_second():
