@@ -32,3 +32,16 @@ class HttpClients:
             finally:
                 writer.close()
         return self.running.do(ask())
+
+
+def closed(connections):
+    """Those of these sockets that the server has closed."""
+    def is_closed(connection):
+        connection.setblocking(False)
+        try:
+            return connection.recv(4096) == b""
+        except BlockingIOError:
+            return False
+        except ConnectionError:
+            return True
+    return [connection for connection in connections if is_closed(connection)]

@@ -52,7 +52,7 @@ class Replay:
                 self._from_box(port, message)
             elif isinstance(message, pb.RobotState):
                 on_original(self, message)
-                self._poll()
+                self.poll()
                 self._times[_time(message.time)] = self.sent.time
         self._pass_time(self.now + 2)
         return self
@@ -65,15 +65,15 @@ class Replay:
             if acknowledged is not None:
                 message.acknowledgement.CopyFrom(acknowledged)
             self.session.private_message(self.now, message, (BOX, port))
-        self._poll()
+        self.poll()
 
     def _pass_time(self, until):
         while self.session.deadline() < until:
             self.now = max(self.now, self.session.deadline())
-            self._poll()
+            self.poll()
         self.now = until
 
-    def _poll(self):
+    def poll(self):
         for effect in self.session.poll(self.now, 1.8e9 + self.now):
             self.effects.append(effect)
             if isinstance(effect, fx.StateIs):
@@ -106,7 +106,7 @@ def test_the_same_states_at_the_same_events(name):
     def compare(replay, original):
         _complete_as_the_original_did(replay, original)
         assert replay.session.progress.state == original.robot_state, f"at {replay.now:.3f} s"
-        replay._poll()
+        replay.poll()
         assert replay.sent.generic_result == original.generic_result
         compared.append(original.robot_state)
 
@@ -225,7 +225,7 @@ def test_commands_and_online_data_of_2015():
             commanded[field] = value
         if original.final_command and strings["original"] == [[]]:
             replay.session.add_string("final_command", original.final_command[0])
-        replay._poll()
+        replay.poll()
         assert {field: getattr(replay.sent, field) for field in fields} == commanded
         for whose, message in (("ours", replay.sent), ("original", original)):
             if strings[whose][-1] != list(message.final_command):

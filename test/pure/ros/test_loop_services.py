@@ -41,7 +41,7 @@ class World:
         if request.logger == "bug":
             raise KeyError("of the handler")
         self.done.append(request.logger)
-        return Service._response_class()
+        return srv.SetLoggerLevelResponse()
 
     def port(self, name):
         return int(self.services.services[name].uri.rpartition(":")[2])
@@ -210,7 +210,7 @@ def test_what_waits_for_the_disk_waits_in_another_thread(world):
         assert on_disk.wait(TIMEOUT_S)
         if result == "full":
             raise rospy.ServiceException("the disk is full")
-        return Service._response_class()
+        return srv.SetLoggerLevelResponse()
 
     world.services.add("/core/mark", Service, lambda r: r.logger, wait)
     saved, failed = world.call("/core/mark", "Home"), world.call("/core/mark", "full")

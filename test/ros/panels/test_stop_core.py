@@ -32,7 +32,8 @@ class TestCore(OwnCoreCase):
         self.window = Window(WindowNode(), QSettings(f"{folder.name}/window.ini", QSettings.IniFormat))
         self.addCleanup(self.window.close)
         self.addCleanup(self.window.shutdown)
-        self.client, self.strip = RefereeClient._shared, self.window.strip
+        self.client, self.strip = RefereeClient.acquire(WindowNode), self.window.strip
+        self.addCleanup(RefereeClient.release)
         show(self.window, 900, 500)
         self.a_robot = self.robot(self.box.last_zone(self.zone).team)
         self.begin()

@@ -33,7 +33,8 @@ class WindowCase(CoreCase):
         self.addCleanup(folder.cleanup)
         self.window = Window(WindowNode(), QSettings(f"{folder.name}/window.ini", QSettings.IniFormat))
         self.addCleanup(self.end)
-        self.client = RefereeClient._shared
+        self.client = RefereeClient.acquire(WindowNode)  # that of the window
+        self.addCleanup(RefereeClient.release)
         self.window.move(0, 0)
         show(self.window, *self.SIZE)
         self.control = self.panel("BenchmarkControlPanel")
