@@ -3,8 +3,15 @@
 import pytest
 
 from helpers.running_loop import running
+from roah_rsbb.web import limits
 
 __all__ = ["running"]
+
+
+@pytest.fixture
+def few_connections(monkeypatch):
+    """Before `served`: its server has places for ten."""
+    monkeypatch.setattr(limits, "MAX_CONNECTIONS", 10)
 
 
 @pytest.fixture

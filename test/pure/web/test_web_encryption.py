@@ -17,7 +17,6 @@ from helpers.public_box import PublicBox, event, run
 from roah_rsbb.ground import durable
 from roah_rsbb.rulebook.errors import Place, Report
 from roah_rsbb.tools.competition import certificate as maker
-from roah_rsbb.web import limits
 from roah_rsbb.web.certificate import Certificate, CertificateError, CertificateFiles
 from roah_rsbb.web.own_pages import COOKIE, ENCRYPTED
 from roah_rsbb.web.pairing import Grant, Sessions
@@ -115,12 +114,6 @@ def test_requests_without_encryption_are_sent_to_the_encrypted_page(served):
     refused = served.post("/api/v1/pair", {"code": code, "person": "Anna"}, "http")
     assert refused.code == 403 and b"begin the address with https" in refused.body
     assert served.post("/api/v1/pair", {"code": code, "person": "Anna"}).code == 200, "it used no code up"
-
-
-@pytest.fixture
-def few_connections(monkeypatch):
-    """Before `served`: its server has fewer places."""
-    monkeypatch.setattr(limits, "MAX_CONNECTIONS", 10)
 
 
 @pytest.mark.parametrize("data", [b"", b"\x16", b"\x16\x03\x01\x02\x00garbage" * 50, b"GET / HT", b"\xff\xff\xff"])

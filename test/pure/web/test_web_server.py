@@ -12,7 +12,7 @@ from tornado import httpclient
 from helpers.http_clients import BROKEN_REQUESTS, HOST, closed
 from helpers.public_box import PublicBox, event, result, run
 from helpers.served_pages import FOLDER, NAMES, ServedPages
-from roah_rsbb.web import limits, serving
+from roah_rsbb.web import serving
 from roah_rsbb.web.limits import Places, Rates
 from roah_rsbb.web.numbered import Viewer
 from roah_rsbb.web.server import BEAT_S, LOOK_S, WebServer
@@ -276,12 +276,6 @@ def test_one_address_cannot_take_all_places(served):
         pass
     served.change()
     assert all(served.read(other, "change") for other in others)
-
-
-@pytest.fixture
-def few_connections(monkeypatch):
-    """Before `served`: its server has fewer places."""
-    monkeypatch.setattr(limits, "MAX_CONNECTIONS", 20)
 
 
 def test_silent_connections_do_not_keep_others_out(few_connections, served):
