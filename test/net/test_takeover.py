@@ -167,21 +167,6 @@ def test_a_box_that_hangs_and_continues(pair: Pair, measured: List[str]) -> None
     assert pair.sent_to_robots(BOX, continued) == [], "not one datagram"
 
 
-def test_a_core_that_hangs_is_replaced_on_its_computer(pair: Pair) -> None:
-    """Panels and pages keep their box, and the standby stays the standby."""
-    first = pair.begin("--automatic", "10", "--witness", address(WITNESS))
-    pair.run()
-    pair.wait_ready()
-    ports, hung = pair.private_ports(BOX), pair.box.core()
-    os.kill(hung, signal.SIGSTOP)
-    pair.follower.wait_printed(f"the core of the box at {address(BOX)} does not answer")
-    first.wait_printed(f"(process {hung}) has not answered for 2 s: it is stopped")
-    first.wait_printed("Listening on UDP", 2)
-    pair.wait_beacon(BOX, pair.now())
-    assert pair.private_ports(BOX) == ports, "the runs continue on their ports"
-    assert pair.sent_to_robots(STANDBY) == [] and "taking over" not in pair.follower.text
-
-
 def test_a_core_that_hangs_and_is_not_replaced_is_handed_over(pair: Pair, measured: List[str]) -> None:
     """The standby takes over by itself, without an option."""
     pair.begin()

@@ -39,14 +39,6 @@ def test_another_reason_or_sender_is_reported_by_itself():
     assert complaints.add(0.0, "x", (ROBOT[0], 9999), SIZE) is None  # the same host: ports come and go
 
 
-def test_totals():
-    complaints = Complaints()
-    for _ in range(3):
-        complaints.add(0.0, "x", ROBOT, PASSWORD)
-    complaints.add(0.0, "x", ROBOT, SIZE)
-    assert complaints.totals() == {("10.0.0.5", "does not decrypt"): 3, ("10.0.0.5", "wrong size"): 1}
-
-
 def test_a_flood_of_senders_is_bounded_and_not_lost():
     complaints = Complaints(max_entries=5)
     for number in range(1000):

@@ -118,14 +118,6 @@ def test_the_payload_size_may_leave_out_iv_and_padding_and_nothing_else():
     assert accepted == [plain, real - 16, real]
 
 
-@pytest.mark.parametrize("cipher", [1, 2, 3, 4])
-def test_any_cipher_of_the_right_password(cipher):
-    message = pb.BenchmarkState(benchmark_type="HWV", benchmark_state=pb.BenchmarkState.PREPARE)
-    datagram = frame.encode(message, Cipher(cipher), KEY)
-    assert frame.decode_private(datagram, KEY) == message
-    assert refused(datagram, "private", Key("wrong")).reason is FrameFault.UNDECRYPTABLE
-
-
 @pytest.mark.long
 def test_a_wrong_password_has_one_reason_whatever_the_padding():
     message = pb.RobotState(time=pb.Time(sec=1, nsec=2), messages_saved=0, robot_state=pb.RobotState.STOP)
@@ -287,7 +279,6 @@ def test_a_robots_message_has_room_for_a_datagram_of_strings_and_not_for_many_mo
 # -- encoding: the original's bytes, given its initialisation vector ----------------------------------
 
 ALL_FRAMES = golden.load("frames")
-ROBOT_BEACON = pb.RobotBeacon(team_name="a", robot_name="b", time=pb.Time(sec=1, nsec=2))
 ROBOT_STATE = pb.RobotState(time=pb.Time(sec=1, nsec=2), messages_saved=0, robot_state=pb.RobotState.STOP)
 
 

@@ -86,10 +86,6 @@ def test_benchmarks_are_shared_out():
     assert shared([("A", ("STB",)), ("B", ())], ["HNF", "HWV", "STB"]) == {"A": ("STB",), "B": ["HNF", "HWV"]}
 
 
-def test_zones_with_the_same_benchmark():
-    assert shared([("A", ("STB", "HNF")), ("B", ("STB",))], ["STB", "HNF"]) == {"A": ("STB", "HNF"), "B": ("STB",)}
-
-
 def test_the_benchmarks_of_each_day():
     assert read(READ_DAILY, "HNF hwv, STB, all") == (("HNF", "HWV"), ("STB",), tuple(BENCHMARKS))
     assert refused(READ_DAILY, "HNF HNF,")[0] == "found benchmark 'HNF' twice; expected each once"

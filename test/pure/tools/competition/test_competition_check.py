@@ -45,11 +45,6 @@ def warnings(directory):
     return [warning.replace(str(directory) + "/", "") for warning in found.warnings]
 
 
-def test_a_new_competition(competition):
-    found = check(str(competition()))
-    assert found == ([], [], "2 teams, 2 zones, 2 benchmarks, 4 runs")
-
-
 def test_errors_of_all_files_at_once(competition):
     directory = competition()
     change(directory / files.SCHEDULE, "team: 'A'", "team: AA")

@@ -37,14 +37,6 @@ def by_time(made):
     return found
 
 
-def test_one_team():
-    made = plan(["A"], {"Home": ["HWV", "HNF"]})
-    assert [(*run[:4], run.begins.strftime("%d %H:%M")) for run in made.zones[0].runs] == [
-        ("HWV", "A", 1, 1, "28 09:00"), ("HNF", "A", 1, 1, "28 09:15")]
-    assert made.codes == ("HWV", "HNF")
-    assert made.teams == ("A",)
-
-
 @pytest.mark.parametrize("teams", [1, 2, 3, 7])
 @pytest.mark.parametrize("zones", [
     {"X": ["HWV", "HCFGAC"], "Y": ["HNF", "HOPF", "STB"]},

@@ -343,13 +343,6 @@ def test_a_new_schedule_only_needs_a_sheet_and_takes_nothing_else(run, tmp_path)
     assert "--teams: found this option together with --schedule-only" in err
 
 
-def test_nothing_is_overwritten(run):
-    run("erl", *OPTIONS)
-    status, _, err = run("erl", *OPTIONS)
-    assert status == 1
-    assert "already exist" in err
-
-
 def test_check(run, tmp_path):
     run("erl", *OPTIONS)
     assert run("--check", "erl") == (0, "No errors: 2 teams, 2 zones, 2 benchmarks, 8 runs\n", "")
