@@ -13,7 +13,7 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.client import Behaviour, RobotClient
-from roah_rsbb.robot.goals import HopfResult, HppfResult, Pose
+from roah_rsbb.robot.goals import HppfResult, Pose
 from roah_rsbb.robot.machine import IllegalEvent
 
 
@@ -93,12 +93,6 @@ def test_goals_and_results():
     box = run_through(behaviour, "STB", [{"generic_goal": "goal: 1\n"}, {"generic_goal": "goal: 2\n"}])
     assert [message.generic_result for message in box.finished] == ["one", "two"]
     assert [what[2] for what in behaviour.happened if what[0] == "execute"] == ["goal: 1\n", "goal: 2\n"]
-
-
-def test_a_result_in_both_forms():
-    box = run_through(Recorder([HopfResult("cups", "red_cup", Pose(0.1, 0.2, 1.5))]), "HOPF")
-    assert box.finished[0].object_class == "cups"
-    assert "instance" in box.finished[0].generic_result
 
 
 def test_a_result_that_does_not_fit_ends_the_goal_without_one(caplog):

@@ -98,10 +98,6 @@ def test_hpff_continues_until_it_is_stopped():
     _executes_until_stopped("HPFF")
 
 
-def test_a_robot_that_takes_too_long():
-    _executes_until_stopped("HGTKMH", never_end=True)
-
-
 def test_a_robot_that_saves_nothing():
     box = run_through("HGTKMH", save_nothing=True)
     assert {message.messages_saved for message in box.received} == {0}
@@ -217,11 +213,6 @@ def test_all_arguments_reach_the_robot(clients):
         "T", "p", "R", DummyOptions(1.5, 2.5, True, "execute", -0.15, True, 0.25, 7),
         "127.255.255.255", 31000, "127.0.0.2", Cipher.AES_256_ECB,
     )]
-
-
-def test_without_arguments_it_behaves(clients):
-    dummy.main(["--team", "T", "--password", "p"])
-    assert clients[0][3] == DummyOptions()
 
 
 @pytest.mark.parametrize("source", ["file", "environment"])

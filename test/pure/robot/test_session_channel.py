@@ -8,7 +8,6 @@ from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import HopfResult, Pose
 from roah_rsbb.robot.machine import IllegalEvent
-from roah_rsbb.robot.session import Session
 
 # Beacons and channels.
 
@@ -20,12 +19,6 @@ def test_a_robot_without_a_channel_says_so_each_second(bench):
     assert (beacon.team_name, beacon.robot_name) == (TEAM, ROBOT)
     assert (beacon.time.sec, beacon.time.nsec) == (int(UTC0) + 2, 0)
     assert not bench.sent
-
-
-@pytest.mark.parametrize("team, robot", [("", "Robot"), ("Team", "")])
-def test_names_are_needed(team, robot):
-    with pytest.raises(ValueError, match="must not be empty"):
-        Session(team, robot, 0.0)
 
 
 def test_a_beacon_that_lists_the_robot_opens_the_channel(bench):
@@ -241,11 +234,6 @@ def test_a_box_that_starts_again_does_not_ring(bench):
     bench.take_news()
     bench.beacon()
     assert bench.take_news(fx.BellRang) == []
-
-
-def test_a_beacon_of_before_2019_lacks_the_door_detector(bench):
-    bench.beacon(devices_door_win_detect=None)
-    assert bench.take_news(fx.Devices)[0].door_win_detect is False
 
 
 @pytest.mark.parametrize("field, effect", [("devices_bell", fx.BellRang), ("tablet_call_time", fx.TabletCalled)])

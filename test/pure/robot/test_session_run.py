@@ -6,7 +6,7 @@ from helpers.robot_bench import BOX, PORT, UTC0, executing
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
-from roah_rsbb.robot.goals import Goal, HppfResult, Pose
+from roah_rsbb.robot.goals import Goal
 
 # The run.
 
@@ -47,20 +47,6 @@ def test_a_goal_and_the_next_one(linked):
     assert linked.take_news(fx.Execute) == [fx.Execute("STB", Goal(text="goal: 2\n"))]
     linked.do("end_execute")
     assert not linked.last.HasField("generic_result")
-
-
-def test_a_waypoint_that_timed_out_is_followed_by_the_next(linked):
-    executing(linked, "HNF", generic_goal="[1, 2, 3]")
-    linked.box_says(BoxState.PREPARE, "HNF")
-    assert linked.take_news() == [fx.StateIs(RobotState.PREPARING), fx.Prepare("HNF")]
-    assert linked.last.robot_state == RobotState.PREPARING
-
-
-def test_a_result_that_does_not_fit_changes_nothing(linked):
-    executing(linked, "HOPF")
-    with pytest.raises(ValueError, match="not a result of HOPF"):
-        linked.session.end_execute(HppfResult("A", Pose(0, 0, 0)))
-    assert linked.state is RobotState.EXECUTING
 
 
 def test_a_goal_that_cannot_be_read_is_reported_once_and_the_robot_waits(linked):
@@ -270,11 +256,3 @@ def test_a_result_that_leaves_no_room_for_strings_waits_until_the_box_has_them(l
     linked.box_says(BoxState.WAITING_RESULT, "FetchMug")  # it acknowledges the string
     assert linked.last.robot_state == RobotState.RESULT_TX
     assert (linked.last.generic_result, list(linked.last.notifications)) == ("y" * 890, [])
-
-
-def test_a_short_result_travels_with_strings(linked):
-    executing(linked, "FetchMug", generic_goal="{}")
-    linked.do("add_string", "notifications", "x" * 400)
-    linked.do("end_execute", "y" * 400)
-    assert linked.last.robot_state == RobotState.RESULT_TX
-    assert (linked.last.generic_result, list(linked.last.notifications)) == ("y" * 400, ["x" * 400])

@@ -114,15 +114,6 @@ def test_another_box_changes_nothing_while_ours_is_heard(linked, port):
     assert linked.take_news(fx.Devices, fx.CloseChannel, fx.OpenChannel) == []
 
 
-def test_ours_is_also_heard_on_the_private_channel(linked):
-    executing(linked)
-    for _ in range(10):
-        linked.box_says(BoxState.WAITING_RESULT)
-        linked.beacon(port=None, host=OTHER_BOX)
-        linked.run(1)
-    assert linked.state is RobotState.EXECUTING
-
-
 def test_another_box_takes_over_when_ours_is_gone(linked):
     executing(linked)
     for _ in range(5):
@@ -230,17 +221,3 @@ def test_recorded_states_of_the_box_do_not_keep_a_robot_in_a_run(linked):
         linked.run(0.1)
         linked.box_says(BoxState.WAITING_RESULT, acknowledge=recorded)
     assert linked.state is RobotState.STOP
-
-
-def test_a_robot_without_a_channel_follows_whoever_lists_it(bench):
-    bench.beacon(port=None)
-    bench.beacon(port=None, host=OTHER_BOX)
-    bench.beacon(host=OTHER_BOX)
-    assert bench.take_news(fx.OpenChannel) == [fx.OpenChannel(OTHER_BOX, PORT)]
-
-
-def test_states_of_another_box_are_ignored(linked):
-    for _ in range(3):
-        linked.box_says(BoxState.PREPARE, host=OTHER_BOX)
-    assert linked.state is RobotState.STOP
-    assert [report.problem for report in linked.take_news()] == [fx.Problem.ANOTHER_BOX]
