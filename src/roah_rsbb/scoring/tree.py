@@ -120,6 +120,7 @@ class _Run:
         self.replaces = False
         self._marks = course.marks
         self._held: Dict[str, List[Optional[Fraction]]] = {}  # incident -> when it had an effect
+        self._costs_later: List[Tuple[str, Optional[Fraction]]] = []  # items, if points are scored after these times
         # Facts about incidents that are on the sheet.
         self._facts: Dict[str, object] = {mark.item: mark.text or mark.number for mark in course.marks}
         self._void: Dict[int, str] = {}
@@ -132,6 +133,9 @@ class _Run:
             rule = self.rules.get(happened.incident, Incident(happened.incident))
             if not self._is_over(rule, happened):
                 self._take(rule, happened)
+        for item, at_s in self._costs_later:
+            if self._scored_after(at_s):
+                self._decide(item)
         return self._steps, self._void
 
     def left(self, void: Iterable[int]) -> List[SheetMark]:
@@ -221,12 +225,16 @@ class _Run:
             if self._is_hit(rule, mark, at_s, until):
                 time = _at(self._counted(mark.at_s))
                 self._drop(index, VOID(item=self._name(mark), time=time, incident=rule.name))
-        if rule.marks and (not rule.scored_after or self._scored_after(at_s)):
+        if rule.marks and not rule.scored_after:
             words = {str(fact) for fact in happened.facts.values()}
-            item = next(item for item in self.sheet.items if item.id == rule.marks)
-            chosen = next((choice.name for choice in item.choices if choice.name in words), "")
-            self.decided[rule.marks] = self.decided[rule.marks][0] + 1, chosen
+            choices = (choice.name for choice in self._item(rule.marks).choices)
+            self._decide(rule.marks, next((name for name in choices if name in words), ""))
+        elif rule.marks:
+            self._costs_later.append((rule.marks, at_s))
         self.replaces = self.replaces or rule.voids is Voids.EARLIER_RUNS
+
+    def _decide(self, item: str, choice: str = "") -> None:
+        self.decided[item] = self.decided[item][0] + 1, choice
 
     def _why_not(self, rule: Incident, happened: Happened) -> str:
         """Return why an incident has no effect; empty: it has."""
@@ -252,7 +260,7 @@ class _Run:
                  and (net or _worth(self._item(mark.item), mark) >= 0 or _is_penalty(self._item(mark.item)))
                  and (at_s is None or (mark.at_s is not None and mark.at_s <= at_s))]
         sheet = self.sheet if net else replace(self.sheet, items=tuple(map(_without_penalty, self.sheet.items)))
-        return _Tree(sheet, marks, {}, self.course).total()
+        return _Tree(sheet, sorted(marks, key=_when), {}, self.course).total()
 
     def _is_hit(self, rule: Incident, mark: SheetMark, at_s: Optional[Fraction], until: Optional[Fraction]) -> bool:
         """Whether an incident makes a mark void."""
@@ -369,7 +377,7 @@ class _Tree:
         # What the referee has taken away already.
         self._refused = {item_id: sum((mark.number for mark in course.marks if mark.refused and mark.item == item_id),
                                       ZERO) for item_id in {mark.item for mark in course.marks if mark.refused}}
-        self._withheld = {item_id: item for item in sheet.items for item_id in item.withholds}
+        self._withholding = [item for item in sheet.items if item.withholds]
         self.points: Dict[str, Fraction] = {}
         self.own: Dict[str, Fraction] = {}
         self.charged = ZERO
@@ -422,9 +430,9 @@ class _Tree:
 
     def _barred(self, item: Item) -> str:
         """Return why an item does not count at all; empty: it counts."""
-        by = self._withheld.get(item.id)
-        if by is not None and self._is_given(by):
-            return BARRED(item=item.name, other=by.name)
+        for by in self._withholding:
+            if item.id in by.withholds and self._is_given(by):
+                return BARRED(item=item.name, other=by.name)
         for condition in item.needs:
             if condition.since <= 1 and not condition.each and not self._met(condition):
                 return LACKS(item=item.name, needs=self._named(condition))
