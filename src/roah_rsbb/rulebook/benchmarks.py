@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Dict, FrozenSet, List, Optional, Tuple
 
 from roah_rsbb.model.rules import NO_SHEET, Decision, Sheet
-from roah_rsbb.model.scoring import NO_SHEET_RULES, JudgesRule, ScoringItem, SheetForm, SheetRules, rows
+from roah_rsbb.model.scoring import NO_SHEET_RULES, JudgesRule, ScoringItem, SheetForm, SheetRules
 from roah_rsbb.rulebook.errors import Place
 from roah_rsbb.rulebook.registry import PROFILES, STRINGS, BenchmarkKind, Profile, profile_of
 from roah_rsbb.rulebook.standing_rules import StandingRules
@@ -80,7 +80,7 @@ class Benchmark:
     desc: str
     timeout: float
     total_timeout: float
-    scoring: Tuple[ScoringItem, ...]
+    scoring: Tuple[ScoringItem, ...]  # what the referee marks: the rows of `sheet`, if there is one
     own: Optional[Profile] = None  # None: that of the registry
     rules: EventRules = NO_RULES
     sheet_rules: SheetRules = NO_SHEET_RULES
@@ -93,7 +93,7 @@ class Benchmark:
     def form(self) -> SheetForm:
         """The score sheet before it is filled in."""
         if self.sheet is not NO_SHEET:
-            return SheetForm(rows(self.sheet), judges=self.judges, objection_time=self.objection_time, sheet=self.sheet)
+            return SheetForm(self.scoring, judges=self.judges, objection_time=self.objection_time, sheet=self.sheet)
         limit = 0.0 if self.sheet_rules.time_left is None else self.total_timeout
         return SheetForm(self.scoring, self.sheet_rules, limit, self.judges, self.objection_time)
 

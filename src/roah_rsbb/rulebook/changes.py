@@ -18,7 +18,7 @@ from roah_rsbb.wording.times import date_time
 # The fields of a benchmark whose differences are listed by other names.
 _NAMES = {"own": "", "rules": "", "desc": "subject", "name": "title", "least": "min", "most": "max"}
 # Those of a benchmark by which its sheets are scored.
-_OF_SHEET = ("scoring", "sheet_rules")
+_OF_SHEET = ("scoring", "sheet_rules", "sheet")
 
 
 def changes(before: Config, after: Config, ran: Iterable[EventKey] = ()) -> List[str]:
@@ -90,6 +90,8 @@ def differences(name: str, before: Any, after: Any) -> List[str]:
         found = []
         for field in fields(before):
             label = _NAMES.get(field.name, field.name.replace("_", " "))
+            if isinstance(before, Benchmark) and field.name == "scoring" and before.sheet != after.sheet:
+                continue  # its rows are those of the sheet
             if isinstance(before, Benchmark) and field.name == "own":
                 found += differences(label, before.profile, after.profile)
             else:

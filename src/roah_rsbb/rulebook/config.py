@@ -11,8 +11,8 @@ from decimal import Decimal
 from typing import Any, Dict, FrozenSet, List, Optional, Set, Tuple
 
 from roah_rsbb.ground import linux
-from roah_rsbb.model.rules import NO_SHEET
-from roah_rsbb.model.scoring import Agreement, JudgesRule
+from roah_rsbb.model.rules import NO_SHEET, Sheet
+from roah_rsbb.model.scoring import Agreement, JudgesRule, rows
 from roah_rsbb.rulebook.benchmarks import (
     ALL_TEAMS,
     NO_LIMIT,
@@ -93,6 +93,7 @@ _BENCHMARK_OPTIONAL = {
     "phases": "[...]", "no_show": "zero",
     "timed_out_goal": "completed", "about": "The robot explores the home.",
     "judges": "2", "objection_time": "900", "sheet": "[...]", "incidents": "{restart: {times: 1}}",
+    "late_marks": "count",
 }
 # Spectators read it on a screen, so it must be short.
 _MAX_ABOUT_BYTES = 300
@@ -112,6 +113,7 @@ _RULES = {
     "pause": "whether the referee may pause the clock",
     "no_show": "how an event counts whose team did not appear",
 }
+_LATE_MARKS = ("count", "do not count")
 _PAUSE = {"allowed": True, "not allowed": False}
 _PHASES_SHAPE = "phases '- {name: ..., limit: 120}'"
 _BENCHMARKS_SHAPE = "benchmarks, '- name: ...' and so on"
@@ -157,11 +159,13 @@ class BenchmarksFile:
         judges = self._judges(got["judges"]) if "judges" in got else None
         sheets = judges.count if judges else 0
         scoring = ScoringSection(report, got.get("scoring"), sheets)
-        limit_s = None if total is None or total == NO_LIMIT else Decimal(str(total))
-        sheet = read_sheet(report, got.get("sheet"), got.get("incidents"), limit_s, sheets)
+        has_sheet = "sheet" in got or "incidents" in got
+        sheet = self._sheet(got, total, sheets) if has_sheet else NO_SHEET
         if "judges" in got and not {"scoring", "sheet"} & got.keys():
             report.error(got["judges"].place, "judges in a benchmark without 'sheet'",
                          "a sheet that they fill in, or no key 'judges'")
+        if "late_marks" in got and not has_sheet:
+            report.error(got["late_marks"].place, "late_marks in a benchmark without 'sheet'", "a sheet, too")
         for key in ("sheet", "incidents"):
             if key in got and "scoring" in got:
                 report.error(got[key].place, f"{key} and scoring in one benchmark", "either of them")
@@ -185,10 +189,18 @@ class BenchmarksFile:
                              "a timeout in seconds, or no time_left")
             if name is not None and desc is not None and profile is not None and rules is not None:
                 self.by_code[code] = Benchmark(
-                    code, name, desc, timeout, total, scoring.items, profile, rules, scoring.rules, about, judges,
-                    objection_time or 0.0, sheet if "sheet" in got or "incidents" in got else NO_SHEET)
+                    code, name, desc, timeout, total, rows(sheet) if has_sheet else scoring.items, profile, rules,
+                    scoring.rules, about, judges, objection_time or 0.0, sheet)
                 self._warn_of_limits(self.by_code[code], got)
         return code if isinstance(node, Mapping) and node.whole else None
+
+    def _sheet(self, got: Dict[str, Node], total: Optional[float], sheets: int) -> Sheet:
+        """Read the sheet of a benchmark. `sheets`: of so many judges."""
+        report = self._report
+        limit_s = None if total is None or total == NO_LIMIT else Decimal(str(total))
+        sheet = read_sheet(report, got.get("sheet"), got.get("incidents"), limit_s, sheets)
+        late = choice(report, got.get("late_marks"), "late_marks", _LATE_MARKS, "what marks after the time limit do")
+        return replace(sheet, limit_s=None, clock_s=total) if late == _LATE_MARKS[0] and limit_s is not None else sheet
 
     def _warn_of_limits(self, benchmark: Benchmark, got: Dict[str, Node]) -> None:
         """Warn about limits that have no effect."""

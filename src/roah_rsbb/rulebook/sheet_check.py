@@ -118,7 +118,7 @@ class _Rows:
         high = MANY if item.times is None else Decimal(item.times)
         low = ZERO
         if item.amount is Measure.CLOCK:
-            high = (self._sheet.limit_s or ZERO) // item.seconds
+            high = (self._sheet.limit_s or Decimal(str(self._sheet.clock_s or 0))) // item.seconds
         elif item.amount in (Measure.NUMBER, Measure.POINTS, Measure.RATING):
             low, high = (-MANY if item.low is None else min(ZERO, item.low), MANY if item.high is None else item.high)
         if item.percent is None:
@@ -182,6 +182,6 @@ def _of_incident(sheet: Sheet, incident: Incident) -> Iterator[str]:
         yield f"{name} has never an effect: it needs {listing(map(quote, both))}, and must not have it"
     if incident.below is not None and incident.below <= 0 and not incident.net:
         yield f"{name} is never allowed: no points are less than {incident.below}"
-    named = {other for each in sheet.incidents for other in (each.ends, each.longer_by, each.of)}
+    named = {other for each in sheet.incidents for other in (*each.ends, each.longer_by, each.of)}
     if incident.voids is Voids.NOTHING and not incident.marks and not incident.pauses and incident.name not in named:
         yield f"nothing follows from {name}"

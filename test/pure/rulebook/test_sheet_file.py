@@ -218,6 +218,17 @@ def test_the_time_left_needs_a_limit():
         _read(_of("{item: a, amount: clock, points: 1}", head=HEAD.replace("420", "no limit")))
 
 
+@pytest.mark.parametrize("late, limit_s, clock_s", [("count", None, 420), ("do not count", 420, None)])
+def test_marks_after_the_time_limit(late, limit_s, clock_s):
+    sheet = _read(_of("{item: a, amount: clock, points: 1}", head=HEAD + f"  late_marks: {late}\n"))
+    assert (sheet.limit_s, sheet.clock_s) == (limit_s, clock_s)
+
+
+def test_late_marks_need_a_sheet():
+    with pytest.raises(ConfigErrors, match="late_marks in a benchmark without 'sheet'"):
+        _read(HEAD + "  late_marks: count\n")
+
+
 def test_one_form_of_a_sheet_in_a_benchmark():
     text = _of("{item: a}") + "  scoring:\n    - G:\n        - {type: bool, desc: a}\n"
     with pytest.raises(ConfigErrors) as caught:
