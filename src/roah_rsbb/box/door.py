@@ -62,6 +62,8 @@ _Asker = Union["_Client", "_Own"]
 # Seconds. Shortest time between what clients are sent: of events, because many robots change something in each; and of
 # calls, whose effect a referee waits for.
 GAP_S, CALLS_GAP_S = 0.05, 0.005
+# Nor does making and sending it take more than a fourth of the time: STOP may come meanwhile.
+REST = 3.0
 SIGN_S = 0.5
 
 
@@ -388,7 +390,7 @@ class BoxDoor(Door):
         self._box = box
         self._seen: Optional[Tuple[int, int]] = None  # what the document was made of
         self._soon: Optional[asyncio.TimerHandle] = None
-        self._sent_mono = float("-inf")
+        self._sent_mono = self._rest_until_mono = float("-inf")
         self.document = self._documents.last
         self.is_old = False
         """Whether the document may no longer be true, because of an error of this program."""
@@ -411,7 +413,7 @@ class BoxDoor(Door):
         self._publish_within(CALLS_GAP_S)
 
     def _publish_within(self, gap_s: float) -> None:
-        due = max(self.loop.time(), self._sent_mono + gap_s)
+        due = max(self.loop.time(), self._sent_mono + gap_s, self._rest_until_mono)
         if self._soon is None or due < self._soon.when():
             if self._soon is not None:
                 self._soon.cancel()
@@ -424,6 +426,8 @@ class BoxDoor(Door):
         self._soon, self._sent_mono = None, self.loop.time()
         self.update()
         super().publish()
+        now_mono = self.loop.time()
+        self._rest_until_mono = now_mono + REST * (now_mono - self._sent_mono)
         if (self.written.number, self.is_old) != self._said:
             self._said = self.written.number, self.is_old
             self.on_news()

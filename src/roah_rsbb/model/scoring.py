@@ -4,6 +4,7 @@ Points are exact decimals, never floats, so that every page shows the same sum (
 """
 
 import enum
+import functools
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Dict, List, NamedTuple, Optional, Tuple
@@ -178,9 +179,9 @@ class SheetForm:
             return True
         return self.rules.time_left is not None or any(item.has_points for item in self.items)
 
-    @property
+    @functools.cached_property
     def is_plain(self) -> bool:
-        """Whether it has only items without rules."""
+        """Whether it has only items without rules. It is asked for each record of a run."""
         has_rules = (self.rules != NO_SHEET_RULES or self.judges is not None or self.objection_time > 0
                      or self.sheet is not None)
         return not has_rules and all(item.is_plain for item in self.items)

@@ -448,6 +448,19 @@ def test_an_answer_names_a_document_that_contains_what_the_call_did(running, dri
     made.close()
 
 
+def test_making_the_document_leaves_most_of_the_time_to_others(running, driver, looks):
+    """STOP waits while it is made, and many calls change the box all the time."""
+    slow_s, began = 0.01, time.monotonic()
+    made = BoxDoor(running.loop, driver.box, "uuid", "", lambda: driver.now, lambda: time.sleep(slow_s) or {}, tuple,
+                   {}, lambda: None)
+    while time.monotonic() - began < 30 * slow_s:
+        driver.event(driver.box.timers.tick)
+        made.called()
+        running.turn_once()
+    assert 1 < len(looks) <= 1 + (time.monotonic() - began) / (4 * slow_s)
+    made.close()
+
+
 def after(driver, looks, kept, act):
     """How often the box is looked at after this."""
     kept.publish()

@@ -63,7 +63,7 @@ LOST["RobotLink"] |= {f"_{what}{mono}" for what in ("step", "rival", "moved", "b
 # Caches, the way out of the box, and what says that there was a restart.
 LOST["Zones"], LOST["ScoreSheet"] = {"_runs"}, LOST["ScoreSheet"] | {"_groups", "_records"}
 LOST["Zone"] = {"_run_set"}
-LOST["RunBook"] = {"_counted"}
+LOST["RunBook"], LOST["SheetForm"] = {"_counted"}, {"is_plain"}
 LOST["Run"] |= {"_dropped_strings", "_unread", "_say_dropped_from", "_state_mono"}
 LOST["Run"] |= {"resumed", "_emit", "_show_map", "_opened_mono", "_is_heard", "_continued", "_is_withheld"}
 LOST["RunState"], LOST["BookState"] = {"doubted", "away_s"}, {"outages"}  # they are of the restart
