@@ -74,7 +74,9 @@ def _check(protobuf: bytes, texts: Texts, budget: List[int]) -> None:
         budget[0] -= 1
         if budget[0] < 0:
             raise _TooMany
-        tag, position = varint(protobuf, position)
+        tag, position = protobuf[position], position + 1
+        if tag >= 0x80:
+            tag, position = varint(protobuf, position - 1)
         # Field numbers have up to 29 bits. The C++ library accepts superfluous zero bytes at the end of a tag, which
         # no encoder writes; the Python library does not.
         if not 8 <= tag <= _MAX_TAG or not protobuf[position - 1]:

@@ -69,6 +69,8 @@ class JournalSegments:
 
     def parts(self, segment: str, begin: int, end: int) -> Iterator[Part]:
         """Return the parts of a segment between these bytes. Raises `CannotReadJournal`."""
+        if begin >= end:
+            return  # most segments never change any more
         try:
             with open(self._path(segment), "rb") as file:
                 file.seek(begin)

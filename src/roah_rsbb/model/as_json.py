@@ -245,6 +245,8 @@ def _of_fields(cls: Any) -> Notation:
         data = {}
         for name, default, plain, write_part in writers:
             found = getattr(value, name)
+            if found is default:
+                continue
             if found.__class__ is plain:
                 if found != default:
                     data[name] = found

@@ -50,6 +50,8 @@ class Unsaved:
 
     def look(self, mono: float, saved_ticket: int) -> Tuple[UnsavedParts, ...]:
         """Return what has been waiting for the disk for a while. Tickets up to `saved_ticket` are on it."""
+        if not self._waiting:
+            return ()
         done = [w for w in self._waiting if w.ticket <= saved_ticket]
         self._waiting = [w for w in self._waiting if w.ticket > saved_ticket]
         for each in done:
