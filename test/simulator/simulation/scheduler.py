@@ -43,7 +43,7 @@ class Scheduler:
         self._at_once = 0
 
     def at(self, when, process, handle):
-        """Plan a step, of a process or of nature (None). `handle`: an asyncio.Handle or a function."""
+        """Plan a step, of a process or of nature (None). `handle`: a `Handle` or a function."""
         heapq.heappush(self._due, (when if when > self.now else self.now, next(self._numbers), process, handle))
 
     def after(self, seconds, function):
@@ -55,16 +55,22 @@ class Scheduler:
         due = self._due
         while due and due[0][0] <= end:
             when, number, process, handle = heapq.heappop(due)
-            if process is not None and process.is_ended:
-                continue
-            if isinstance(handle, asyncio.Handle) and handle.cancelled():
-                continue
-            if process is not None and process.is_busy(when):
-                process.defer(number, handle)
-                continue
+            if process is not None:
+                if process.is_ended or handle.is_cancelled:
+                    continue
+                if process.is_busy(when):
+                    process.defer(number, handle)
+                    continue
             if when > self.now:
                 self.now, self._at_once = when, 0
-            self._step(process, handle)
+            self.steps += 1
+            self._at_once += 1
+            if self._at_once > MOST_STEPS_AT_ONCE:
+                raise EndlessLoop(f"{process and process.name}: {handle}")
+            if process is None:
+                handle()
+            else:
+                process.do(handle)
             if is_over():
                 return True
         self.now = max(self.now, end)
@@ -73,16 +79,6 @@ class Scheduler:
     def put_back(self, when, number, process, handle):
         """Plan a step again that could not be done, in its old order."""
         heapq.heappush(self._due, (when, number, process, handle))
-
-    def _step(self, process, handle):
-        self.steps += 1
-        self._at_once += 1
-        if self._at_once > MOST_STEPS_AT_ONCE:
-            raise EndlessLoop(f"{process and process.name}: {handle}")
-        if process is None:
-            handle()
-        else:
-            process.do(handle)
 
 
 class Computer:
@@ -132,6 +128,23 @@ class Woke(NamedTuple):
     hung_s: float
 
 
+class Handle:
+    """What a loop does later: `asyncio.TimerHandle`, without contexts, which no simulated program uses."""
+
+    def __init__(self, callback, args, when=0.0):
+        self.callback, self.args, self._when = callback, args, when
+        self.is_cancelled = False
+
+    def cancel(self):
+        self.is_cancelled, self.callback, self.args = True, None, ()
+
+    def cancelled(self):
+        return self.is_cancelled
+
+    def when(self):
+        return self._when
+
+
 class Loop(asyncio.AbstractEventLoop):
     """The asyncio loop of one process."""
 
@@ -144,7 +157,7 @@ class Loop(asyncio.AbstractEventLoop):
         return self._computer.mono()
 
     def call_soon(self, callback, *args, context=None):
-        handle = asyncio.Handle(callback, args, self, context)
+        handle = Handle(callback, args)
         self._scheduler.at(self._scheduler.now, self._process, handle)
         return handle
 
@@ -154,7 +167,7 @@ class Loop(asyncio.AbstractEventLoop):
         return self.call_at(self.time() + delay, callback, *args, context=context)
 
     def call_at(self, when, callback, *args, context=None):
-        handle = asyncio.TimerHandle(when, callback, args, self, context)
+        handle = Handle(callback, args, when)
         self._scheduler.at(self._computer.true_time(when), self._process, handle)
         return handle
 
@@ -180,11 +193,8 @@ class Loop(asyncio.AbstractEventLoop):
     def is_closed(self):
         return False
 
-    def _timer_handle_cancelled(self, handle):
-        """It is dropped when it is due."""
 
-
-class _Input(asyncio.Handle):
+class _Input(Handle):
     """What a loop does before what is due by its clock, as asyncio does after `select`."""
 
 
@@ -227,7 +237,7 @@ class Process:
 
     def soon(self, function):
         """Do something in the process as soon as it is not busy."""
-        self.scheduler.at(self.scheduler.now, self, _Input(function, (), self.loop, None))
+        self.scheduler.at(self.scheduler.now, self, _Input(function, ()))
 
     def do(self, handle):
         """Do a step of this process now."""
@@ -235,7 +245,11 @@ class Process:
         before, scheduler.current = scheduler.current, self
         asyncio._set_running_loop(self.loop)
         try:
-            handle._run()
+            handle.callback(*handle.args)
+        except Ended:
+            pass
+        except Exception as error:
+            scheduler.bugs.append(error)
         finally:
             scheduler.current = before
             asyncio._set_running_loop(None if before is None else before.loop)

@@ -20,8 +20,7 @@ class Trace:
 
     def datagram(self, source, port, datagram, host):
         """A datagram was sent."""
-        self._digest.update(f"{self._scheduler.now!r} {source} {port} {host}".encode())
-        self._digest.update(datagram)
+        self._digest.update(f"{self._scheduler.now!r} {source} {port} {host}".encode() + datagram)
 
     @property
     def digest(self):

@@ -48,6 +48,7 @@ class Witness:
         self._world = world
         self._fail = world.oracles.fail
         self._keys = [Key(password) for password in world.config.passwords.values()]
+        self._key_of = {}  # by port
         self.reports = collections.defaultdict(list)  # by port: (time, state) of each change that its robot reported
         self.sent = collections.defaultdict(Sent)  # by port
         self.beacon_at = float("-inf")
@@ -83,7 +84,7 @@ class Witness:
         if host == self._world.box.computer.host and source in self._robots and port in self.runs_at:
             self._read.setdefault(port, self._world.scheduler.now)
             if not is_forged and port not in self._did:
-                self._did[port] = RobotState(self._decoded(datagram).robot_state)
+                self._did[port] = RobotState(self._decoded(port, datagram).robot_state)
             self.recorded[source].append(datagram)
             self._taken.add(datagram)
 
@@ -103,7 +104,7 @@ class Witness:
             found = found if went == believed.went else []
             is_awaited = self.sent[port].state is BoxState.WAITING_RESULT
             if is_done and (not found or (is_awaited and not found[-1][2])) and (
-                    self._decoded(datagram).robot_state == RobotState.RESULT_TX):
+                    self._decoded(port, datagram).robot_state == RobotState.RESULT_TX):
                 self._results[port] = believed.went, [*found, (now, believed.watch.read(now), is_awaited)]
 
     def add(self, robot):
@@ -134,7 +135,7 @@ class Witness:
 
     def _box_says(self, port, datagram):
         believed, now = self.runs_at[port], self._world.scheduler.now
-        message = self._decoded(datagram)
+        message = self._decoded(port, datagram)
         state, sent = BoxState(message.benchmark_state), self.sent[port]
         self._go_at[port] = self._go_at[port] if state is BoxState.STOP else now
         if state is BoxState.STOP:
@@ -143,10 +144,11 @@ class Witness:
             self._check_go(port, believed, state)
         sent.at, sent.state = now, state
 
-    def _decoded(self, datagram):
-        for key in self._keys:
+    def _decoded(self, port, datagram):
+        for key in sorted(self._keys, key=lambda key: key is not self._key_of.get(port)):
             with contextlib.suppress(BadDatagram):
-                return decode_private(datagram, key)
+                message, self._key_of[port] = decode_private(datagram, key), key
+                return message
         raise AssertionError("a box sends with the key of a team")
 
     def _check_go(self, port, believed, state):
