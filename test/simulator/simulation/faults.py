@@ -113,6 +113,8 @@ FAULTS = (
     Fault("one old message is enough for a clock that was set back", "roah_rsbb.core.link.freshness",
           "if self._rising >= RISING and mono - self.state.newest_mono >= QUIET_S:",
           "if self._rising >= 1 and mono >= self.state.newest_mono:"),
+    Fault("a relayed copy counts as the robot's own datagram", "roah_rsbb.radio.radio",
+          "if run is not None and run.link.host == address[0]:", "if run is not None:"),
     # -- the short way of datagrams
     Fault("what is new overtakes what waits", "roah_rsbb.radio.short_way",
           "        turns.take()\n        if sender", "        if sender"),

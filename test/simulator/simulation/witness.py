@@ -12,7 +12,7 @@ from roah_rsbb.comm.frame import BadDatagram, decode_private
 from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
 
-from .air import PUBLIC_PORT
+from .air import BROADCAST, PUBLIC_PORT
 from .ledger import members
 
 # STOP leaves within this time (s), whatever the disk does.
@@ -114,13 +114,14 @@ class Witness:
 
     # -- on the air ---------------------------------------------------------------------------------
 
-    def _on_datagram(self, source, port, datagram, _host):
+    def _on_datagram(self, source, port, datagram, host):
         world, now = self._world, self._world.scheduler.now
         if source == world.box.computer.host:
             if port == PUBLIC_PORT:
                 self.beacon_at = now
             elif port in self.runs_at:
                 self._box_says(port, datagram)
+                self._check_address(port, host)
             else:
                 self.sent[port].at = now
         elif source in self._robots and port != PUBLIC_PORT:
@@ -143,6 +144,12 @@ class Witness:
         else:
             self._check_go(port, believed, state)
         sent.at, sent.state = now, state
+
+    def _check_address(self, port, host):
+        """Another sender does not count while the robot is heard where it is."""
+        robot = self._robot_at(port)
+        if robot is not None and host not in (robot.computer.host, BROADCAST) and self.is_heard(port):
+            self._fail("address", f"port {port} of {robot.name} is sent to {host}, and it is heard where it is")
 
     def _decoded(self, port, datagram):
         for key in sorted(self._keys, key=lambda key: key is not self._key_of.get(port)):
