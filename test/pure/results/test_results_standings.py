@@ -117,6 +117,13 @@ def test_a_group_that_the_sheet_lacks_is_reported():
     )
 
 
+@pytest.mark.parametrize("weight, unit", [(1.0, "s"), (-1.0, "s"), (2.0, "")])
+def test_a_number_has_the_unit_of_its_only_value(weight, unit):
+    record = module_record("A", 1)._replace(module_scores=(ScoreValue("", "time", "5", "s"),))
+    rules = Rules(BEST, (), (Criterion("Time", False, (Term(score="time", weight=weight),)),))
+    assert standing("HNF", [record], rules, ALL).units == (unit,)
+
+
 # -- runs -------------------------------------------------------------------------------------------
 
 SEVERAL = [

@@ -165,14 +165,14 @@ def test_who_is_not_in_the_final_may_be_ranked_with_all():
 
 
 @pytest.mark.parametrize("others, expected", [
-    ("below", [(1, "A", 2), (2, "B", -0.4), (3, "C", None)]), ("zero", [(1, "A", 2), (2, "C", 0.59), (3, "B", -0.4)])])
+    ("below", [(1, "A", 2), (2, "B", -9.4), (3, "C", None)]), ("zero", [(1, "A", 2), (2, "C", 0.59), (3, "B", -9.4)])])
 def test_with_0_a_team_outside_the_final_can_pass_one_inside(others, expected):
     rules = f"""
 stages:
   - {{ name: Tasks, of: [{{ test: T }}], advance: 2 }}
   - {{ name: Last, teams: Tasks, of: [{{ stage: Tasks }}, {{ test: Final }}], normalised: best, others: {others} }}
 """
-    _, last = ranked(rules, {"T": {"A": [100], "B": [60], "C": [59]}, "Final": {"A": [10], "B": [-10]}})
+    _, last = ranked(rules, {"T": {"A": [100], "B": [60], "C": [59]}, "Final": {"A": [10], "B": [-100]}})
     assert table(last) == expected
 
 
@@ -249,9 +249,9 @@ stages: [{ name: S, of: [{ test: T, rounds: [1, 3] }, { test: T, weight: 10, eve
 
 TIED = {"T": {"A": [5], "B": [3], "C": [3], "D": [1]}, "U": {"A": [0], "B": [1], "C": [2], "D": [3]},
         "Deciding": {"B": [9], "C": [8]}}
-B_BEFORE_C = [(1, "A"), (2, "B"), (3, "C"), (4, "D")]
-C_BEFORE_B = [(1, "A"), (2, "C"), (3, "B"), (4, "D")]
-TOGETHER = [(1, "A"), (2, "B"), (2, "C"), (4, "D")]
+B_BEFORE_C = (1, "A"), (2, "B"), (3, "C"), (4, "D")
+C_BEFORE_B = (1, "A"), (2, "C"), (3, "B"), (4, "D")
+TOGETHER = (1, "A"), (2, "B"), (2, "C"), (4, "D")
 
 
 @pytest.mark.parametrize("of, ties, expected", [
@@ -263,9 +263,12 @@ TOGETHER = [(1, "A"), (2, "B"), (2, "C"), (4, "D")]
 ])
 def test_ties_are_decided_or_places_shared(of, ties, expected):
     found, = ranked(f"stages: [{{ name: S, of: [{of}]{ties} }}]", TIED)
-    assert [(line.place, line.team) for line in found.lines] == expected
+    assert tuple((line.place, line.team) for line in found.lines) == expected
     assert [line.tied for line in found.lines] == [
         sum(place == other for other, _ in expected) > 1 for place, _ in expected]
+    decides = {TOGETHER: [], B_BEFORE_C: ["Deciding"], C_BEFORE_B: ["U"]}[expected]
+    assert [step for step in found.steps if " tie " in step] == [
+        f"{'B, C' if by == 'Deciding' else 'C, B'} tie for S, place 2: {by} decides" for by in decides]
 
 
 @pytest.mark.parametrize("scale, expected", [("no", ["C", "B"]), ("rank", ["B", "C"])])
@@ -331,8 +334,9 @@ def test_adjustments_count_each_time_or_at_most_so_often():
 
 
 def test_a_team_that_only_has_a_penalty_is_ranked():
-    first, _ = ranked(OUTSIDE.replace("HOW", "last"), FOUR, [("Zed", "Missing", -250)], teams=["Yan"])
-    assert table(first)[-2:] == [(5, "Yan", 0), (6, "Zed", -250)]
+    attempts = {**FOUR, "T": {**FOUR["T"], "Wes": []}}
+    first, _ = ranked(OUTSIDE.replace("HOW", "last"), attempts, [("Zed", "Missing", -250)], teams=["Yan"])
+    assert table(first)[-3:] == [(5, "Wes", 0), (5, "Yan", 0), (7, "Zed", -250)]
 
 
 @pytest.mark.parametrize("how, places, advance, last", [
@@ -358,13 +362,31 @@ def test_the_steps_say_how_a_sum_came_about():
             "F: HRI 60 + PickAndPlace 15 + GPSR 100 + Laundry 115 − Restaurant 500 = −210",
             "Tasks, 6 teams: 3 advance: A, B, C"} <= {*tasks.steps}
     assert "Tasks, 6 teams: 3 advance: A, B, C" in tasks.notes
+    _, of_range = at_home((NORMALISED, "normalised: worst to best"))
+    assert "B, Tasks: 50 × 795 / 920 = 43.207" in of_range.steps
     assert {"B, Tasks: 50 × 2700 / 2825 = 47.788", "B: Tasks 47.788 + Final 50 = 97.788"} <= {*last.steps}
+
+
+def test_the_steps_about_attempts():
+    def steps(*attempts):
+        ranking, = rank(rules_of("stages: [{ name: S, of: [{ test: T }], min: -85 }]", ["T"]).stages,
+                        {"T": {"A": [Result(Fraction(points), **more) for points, more in attempts]}}, {})
+        return ranking.steps
+
+    assert steps(("1/2", {})) == ("A: T 0.5 = 0.5",)
+    assert steps((0, {}), (0, {})) == ("A, T: best of 0, 0: 0", "A: 0 = 0")
+    assert steps((0, {"charged": -500}), (415, {})) == (
+        "A, T: best of 0, 415: 415", "A, T: −500 for the team, whichever attempt counts", "A: −T 85 = −85")
+    assert steps((7, {}), (5, {"replaces": True})) == (
+        "A, T: the attempts before the extra one do not count", "A: T 5 = 5")
 
 
 def test_notes_name_what_is_missing_or_does_not_count():
     _, last = ranked(AT_HOME, {**ATTEMPTS, "Final": {"D": [5]}}, GIVEN)
     assert list(last.notes) == ["D has a result in Final but did not advance: it does not count in Final ranking",
                                 "Final has no runs yet"]
+    halves, = ranked("stages: [{ name: S, of: [{ test: T }], normalised: best }]", {"T": {"A": ["1/2"], "B": ["1/8"]}})
+    assert table(halves) == [(1, "A", 1), (2, "B", 0.25)]
     zeros, = ranked("stages: [{ name: S, of: [{ test: T }], normalised: best }]", {"T": {"A": [0], "B": [-1]}})
     assert table(zeros) == [(1, "A", 0), (1, "B", 0)]
     assert list(zeros.notes) == ["T counts 0: no team has more than 0"]
