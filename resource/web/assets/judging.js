@@ -57,7 +57,7 @@ export function JudgeRun({zone, run, marks, texts, person, give}) {
       <${Progress} run=${run} texts=${texts} />
       ${answer && answer.again && html`<p class="todo urgent" role="status">${texts.look_again.replace("{reason}", () => answer.again)}</p>`}
       ${answer && !answer.submitted && html`
-        <${Sheet} zone=${{zone, identity: run.identity, items: answer.items, points: ""}} marks=${marks} texts=${texts}
+        <${Sheet} zone=${{zone, identity: run.identity, items: answer.items, points: "", steps: []}} marks=${marks} texts=${texts}
           person=${person} command="judge_mark" />
         <${Twice} key=${run.identity} name="submit" label=${texts.submit} question=${texts.really} isMain
           reasons=${waits ? [texts.marks_wait] : []} act=${() => give("submit", texts, texts.submit, {identity: run.identity})} />`}
