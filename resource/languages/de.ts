@@ -2659,6 +2659,11 @@
         <translation>■ {zones} STOPPEN?  Drücken Sie innerhalb von {time:.0f} s noch einmal {key}</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/rqt/model.py"/>
+        <source>Waiting for the box</source>
+        <translation>Warte auf die Box</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/rqt/node.py"/>
         <source>Nothing controls the home devices: the box is not running, or not with devices:=true</source>
         <translation>Nichts steuert die Geräte der Wohnung: Die Box läuft nicht, oder nicht mit devices:=true</translation>
@@ -2667,11 +2672,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/actions.py"/>
         <source>{command} in {zone}</source>
         <translation>{command} in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/actions.py"/>
-        <source>Waiting for the box</source>
-        <translation>Warte auf die Box</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/actions.py"/>

@@ -16,13 +16,14 @@ from roah_rsbb.model.zone import RUNNING, ZoneSeen
 from roah_rsbb.rqt.calls import CallOutcome, Calls
 from roah_rsbb.rqt.qt import QObject, QTimer, QWidget, Signal
 from roah_rsbb.wording import times, whole_box
-from roah_rsbb.wording.language import tr
+from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import use_zone
 from roah_rsbb.wording.whole_box import REPLAY_NO_COMMANDS
 
 if TYPE_CHECKING:  # it needs ROS
     from roah_rsbb.rqt.node import ControllerStatus, WindowNode
 
+NOT_HEARD = tr_later("Waiting for the box")
 TICK_MS = 200
 # Interval at which to look for the devices again while the box is silent, seconds.
 RENEW_S = 5.0

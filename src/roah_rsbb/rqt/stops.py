@@ -12,7 +12,7 @@ from typing import Dict, Iterable, List, NamedTuple, Tuple
 
 from roah_rsbb.model.zone import ENDED, RUNNING
 from roah_rsbb.rqt.calls import CallOutcome, Calls
-from roah_rsbb.rqt.model import Model
+from roah_rsbb.rqt.model import NOT_HEARD, Model
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 from roah_rsbb.wording import stop
 from roah_rsbb.wording.language import tr, tr_later
@@ -26,7 +26,6 @@ FAILED_S = 15.0
 # After a press, STOP does not pass to the only other run for this time (s): whoever is frightened presses twice.
 SAME_S = 2.0
 
-NOT_HEARD = tr_later("Waiting for the box")
 NONE_RUNS = tr_later("No zone is running")
 
 

@@ -10,7 +10,7 @@ from roah_rsbb.model.actions import ACTIONS, Action, Row
 from roah_rsbb.model.fields import BadValue, Choice, EventId, Field, Number, Robot, Toggle, entered, fixed, read
 from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.rqt import basic
-from roah_rsbb.rqt.model import Model
+from roah_rsbb.rqt.model import NOT_HEARD, Model
 from roah_rsbb.rqt.qt import (
     QAction,
     QCheckBox,
@@ -192,7 +192,7 @@ def what_text(action: Action, zone: str) -> str:
 def why_off(zone: Optional[ZoneSeen], name: str, silent: str) -> Sequence[str]:
     """Return why an action is off now; empty: it is on. `silent`: why nothing is possible; empty: the core is heard."""
     if zone is None or silent:
-        return [silent or tr("Waiting for the box")]
+        return [silent or tr(NOT_HEARD)]
     return [tr_said(reason) for reason in zone.off(name)]
 
 

@@ -19,7 +19,7 @@ from roah_rsbb.model.results import RunLine
 from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, ZoneSeen
 from roah_rsbb.rqt import basic, keys
 from roah_rsbb.rqt.calls import CallOutcome
-from roah_rsbb.rqt.model import Sheets
+from roah_rsbb.rqt.model import NOT_HEARD, Sheets
 from roah_rsbb.rqt.panels.actions import ActionForm, MoreMenu, RuleButtons, ask, keep_true, what_text, why_off
 from roah_rsbb.rqt.panels.panel import SILENT, AnswerLine, Panel
 from roah_rsbb.rqt.panels.run_times import TimesWidget, phase_look
@@ -60,7 +60,7 @@ class PagesButton(basic.MenuButton):
         for part, text in PARTS.items():
             self.entries.addAction(tr(text)).triggered.connect(lambda _checked=False, part=part: self._ask_code(part))
         self._again = QTimer(self, singleShot=True, timeout=self._look)
-        self._allow(tr("Waiting for the box"))
+        self._allow(tr(NOT_HEARD))
         self._look()
 
     def end(self) -> None:
@@ -379,7 +379,7 @@ class BenchmarkControlPanel(Panel):
             label.setText("")
         heard = self.model.document is not None
         self.phase.show_text(tr("NO SUCH ZONE") if heard else tr("NO BOX"), basic.IDLE)
-        text = f"{tr(NO_ZONE)} ({self.model.zone_name})" if heard else tr("Waiting for the box")
+        text = f"{tr(NO_ZONE)} ({self.model.zone_name})" if heard else tr(NOT_HEARD)
         self.state.show_lines([(line, False) for line in (text, self.model.why) if line])
 
     def _show_event(self, zone: ZoneSeen) -> None:
@@ -398,7 +398,7 @@ class BenchmarkControlPanel(Panel):
                               + [(tr_said(line), False) for line in zone.state])
 
     def _show_button(self, name: str, zone: Optional[ZoneSeen]) -> None:
-        reasons = why_off(zone, name, self._silent(zone) if self.model.document else tr("Waiting for the box"))
+        reasons = why_off(zone, name, self._silent(zone) if self.model.document else tr(NOT_HEARD))
         is_next = zone is not None and not stop.leaving(zone) and not zone.action(name).question
         tone = NEXT_STEP.get((zone.phase, name)) if is_next else None
         self.buttons[name].allow(not reasons, reasons, tone)

@@ -5,6 +5,7 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.rqt import basic
+from roah_rsbb.rqt.model import NOT_HEARD
 from roah_rsbb.rqt.panels.panel import CollapsingPanel
 from roah_rsbb.rqt.panels.run_times import known, marked, phase_look, tone_of
 from roah_rsbb.rqt.qt import (
@@ -19,7 +20,7 @@ from roah_rsbb.rqt.qt import (
     QWidget,
     Signal,
 )
-from roah_rsbb.rqt.stops import NONE_RUNS, NOT_HEARD
+from roah_rsbb.rqt.stops import NONE_RUNS
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import Clock, clock_lines

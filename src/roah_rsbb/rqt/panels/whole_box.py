@@ -4,6 +4,7 @@ from typing import Callable, List, Optional, Sequence, Tuple
 
 from roah_rsbb.rqt import basic
 from roah_rsbb.rqt.calls import CallOutcome
+from roah_rsbb.rqt.model import NOT_HEARD
 from roah_rsbb.rqt.panels.actions import FormDialog, ask
 from roah_rsbb.rqt.panels.panel import AnswerLine, CollapsingPanel, Panel
 from roah_rsbb.rqt.qt import (
@@ -80,7 +81,7 @@ class CoreStatusPanel(Panel):
     def show_model(self) -> None:
         document = self.model.document
         if document is None:
-            self.notices.show_lines([(line, False) for line in (tr("Waiting for the box"), self.model.why) if line])
+            self.notices.show_lines([(line, False) for line in (tr(NOT_HEARD), self.model.why) if line])
             return
         box = document.box
         status = [(tr_said(box.own_status), box.status != "OK")] if box.own_status else []
@@ -192,7 +193,7 @@ class TabletStatusPanel(Panel):
 
     def show_model(self) -> None:
         if self.model.box is None:
-            self.values[0].setText(tr("Waiting for the box"))
+            self.values[0].setText(tr(NOT_HEARD))
 
     def show_times(self) -> None:
         if self.model.box is None:
@@ -246,7 +247,7 @@ class ActiveRobotsPanel(CollapsingPanel):
         self._show_lines(robots or [self._nobody()])
 
     def _nobody(self) -> Tuple[str, ...]:
-        text = tr(whole_box.NO_ROBOT) if self.model.document else tr("Waiting for the box")
+        text = tr(whole_box.NO_ROBOT) if self.model.document else tr(NOT_HEARD)
         return (text, *("" for _ in ROBOT_COLUMNS[1:]))
 
     def _show_lines(self, lines: List[Tuple[str, ...]]) -> None:
