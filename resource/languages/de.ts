@@ -97,6 +97,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Ended, but not saved ({error}): it would be valid again after a restart. Free or repair the disk of log_dir, and try again</source>
+        <translation>Beendet, aber nicht gespeichert ({error}): Nach einem Neustart würde die Kopplung wieder gelten. Schaffen Sie Platz auf der Platte von log_dir oder reparieren Sie sie, und versuchen Sie es noch einmal</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>This connection is not encrypted: whoever can listen in this network can read and use it. Use a network of the referees only.</source>
         <translation>Diese Verbindung ist nicht verschlüsselt: wer in diesem Netz mithören kann, kann sie lesen und benutzen. Verwenden Sie ein Netz nur für Schiedsrichter.</translation>
     </message>

@@ -16,7 +16,7 @@ from roah_rsbb.document.calls import PAIR, PAIRED, REVOKE, TEAM_CODES, Call, Cal
 from roah_rsbb.ground.kept_file import open_kept
 from roah_rsbb.ground.params import BadParams, Params
 from roah_rsbb.model.fields import is_encodable
-from roah_rsbb.model.reason import Refused
+from roah_rsbb.model.reason import Refused, Template
 from roah_rsbb.web.commands import BoxCommanded, PageCalls
 from roah_rsbb.web.displays import FILE as DISPLAYS_FILE
 from roah_rsbb.web.displays import Displays, read_logos
@@ -29,7 +29,7 @@ from roah_rsbb.web.serving import LOOPBACK, hosts_of, retry_until_open
 from roah_rsbb.web.teams import CODE, TEAM_PAGES, TeamCodes
 from roah_rsbb.web.teams import FILE as CODES_FILE
 from roah_rsbb.wording import language
-from roah_rsbb.wording.device import CODES_NOT_SAVED
+from roah_rsbb.wording.device import CODES_NOT_SAVED, ENDED_NOT_SAVED
 from roah_rsbb.wording.texts import did_you_mean
 
 # A disk may take so long, and whoever calls hears of it.
@@ -185,8 +185,7 @@ class Gateway:
             _log.info("Pairing ended: %s", one.who)
 
         def answer() -> Any:
-            _wait(self._server.sessions.kept.newest, "ended, but not saved ({error}): it would be valid again after a "
-                  "restart. Free or repair the disk of log_dir, and try again")
+            _wait(self._server.sessions.kept.newest, ENDED_NOT_SAVED)
             return {"revoked": len(ended)}
 
         return InThread(answer)
@@ -212,14 +211,14 @@ def _certificate(certificate: str, key: str) -> Any:
     return Certificate(CertificateFiles(certificate, key))
 
 
-def _wait(kept: "concurrent.futures.Future[None]", refusal: str) -> None:
+def _wait(kept: "concurrent.futures.Future[None]", refusal: Template) -> None:
     """Wait in a thread until something is on the disk. Raises `Refused` if it is not: a text with the error."""
     try:
         kept.result(DISK_S)
     except concurrent.futures.TimeoutError:
-        raise Refused([refusal.format(error=_HANGS)]) from None
+        raise Refused([refusal(error=_HANGS)]) from None
     except OSError as error:
-        raise Refused([refusal.format(error=error)]) from None
+        raise Refused([refusal(error=str(error))]) from None
 
 
 def _text(found: Mapping[str, Any], name: str) -> str:

@@ -185,7 +185,8 @@ class SessionHandler(FromOwnPage):
         try:
             await self._server.sessions.kept.wait()
         except OSError as error:
-            self.refuse(500, str(error))
+            with self._server.store.speaking(self.language()):
+                self.refuse(500, tr(device.ENDED_NOT_SAVED, error=error))
             return
         self.clear_cookie(self.cookie(COOKIE), path="/")
         self.set_status(204)

@@ -3,6 +3,7 @@
 from typing import Any, Dict
 
 from roah_rsbb.model.actions import ACTIONS, ENTRIES, Action
+from roah_rsbb.model.reason import say
 from roah_rsbb.wording import judging, schedule, sheets, stop, whole_box
 from roah_rsbb.wording.language import tr, tr_later, tr_words
 
@@ -18,6 +19,8 @@ NO_NAME = tr_later("Type your name: it is recorded with everything that you ente
 NAME_IN_USE = tr_later("The name {name} is in use on another device ({device}): type another one. If that is your own "
                        "earlier pairing, ask an organiser to end it first (Pairing)")
 NOT_SAVED = tr_later("The pairing cannot be saved ({error}): free or repair the disk of log_dir")
+ENDED_NOT_SAVED = say("Ended, but not saved ({error}): it would be valid again after a restart. Free or repair the "
+                      "disk of log_dir, and try again")
 # What it means that the pages are not encrypted.
 NOT_ENCRYPTED = tr_later(
     "This connection is not encrypted: whoever can listen in this network can read and use it. Use a network of the "
@@ -28,7 +31,7 @@ NO_ANSWER = tr_later("No answer from the box: it may have been done. Check the s
 # Why a team does not see its robot.
 WRONG_TEAM_CODE = tr_later("This code is wrong")
 TOO_MANY_TEAM_GUESSES = tr_later("Too many wrong codes: wait a minute, then try again")
-CODES_NOT_SAVED = tr_later("The codes cannot be saved ({error}): free or repair the disk of log_dir")
+CODES_NOT_SAVED = say("The codes cannot be saved ({error}): free or repair the disk of log_dir")
 # Why an organiser's setting of a display has no effect, or none after a restart.
 NO_SUCH_DISPLAY = tr_later("This display is not connected")
 TOO_MANY_DISPLAYS = tr_later("Too many displays are set: take some back first")

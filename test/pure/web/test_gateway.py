@@ -184,7 +184,7 @@ def test_what_cannot_be_saved_names_the_remedy(world, monkeypatch):
     (world.folder / FILE).unlink()
     shutil.rmtree(world.folder)
     world.folder.write_text("no folder")
-    with pytest.raises(Refused, match="ended, but not saved .*valid again after a restart"):
+    with pytest.raises(Refused, match="Ended, but not saved .*valid again after a restart"):
         world.call("revoke")
     with pytest.raises(Refused, match="cannot be saved"):
         world.call("team_codes", renew=True)

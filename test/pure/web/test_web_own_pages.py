@@ -106,6 +106,16 @@ def test_a_pairing_that_cannot_be_saved_is_refused_and_its_code_can_be_used_agai
     assert served.ask("pair", code).code == 200
 
 
+def test_a_pairing_whose_end_cannot_be_saved_is_ended_and_says_the_remedy(served):
+    def fails(_records):
+        raise OSError("disk full")
+    token = served.paired()
+    served.sessions.kept = SavedBeside(fails)
+    answer = served.ask("session?language=de", method="DELETE", token=token)
+    assert answer.code == 500 and session(served, token).code == 401
+    assert json.loads(answer.body)["reasons"][0].startswith("auf Deutsch: Ended, but not saved (disk full): it would")
+
+
 @pytest.mark.parametrize("given, status", [("typed", 429), ("link", 200)])
 def test_guesses_keep_out_a_typed_code_and_no_link(served, given, status):
     code = served.server.codes.make(served.server.now(), Grant("referee", "Home"))._asdict()[given]
