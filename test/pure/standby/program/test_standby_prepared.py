@@ -1,6 +1,7 @@
 """The box that is started in advance on the standby, and the request that lets it begin."""
 
 import os
+import pathlib
 import queue
 import socket
 import subprocess
@@ -16,6 +17,14 @@ from roah_rsbb.standby.pairing import PairedBox, PairedStandby, is_standby, part
 from roah_rsbb.standby.program import prepared as module
 from roah_rsbb.standby.program.keeping import Reply, Requests, request
 from roah_rsbb.standby.program.prepared import Prepared
+
+# The programs without ROS, as the tests have the package.
+TEAM = f"""
+import roah_rsbb
+roah_rsbb.__path__ = {list(sys.modules["roah_rsbb"].__path__)!r}
+from roah_rsbb.tools.team import main
+main()
+"""
 
 
 class NotYet(Exception):
@@ -49,6 +58,25 @@ def test_the_core_is_started_when_there_is_a_copy(preparing):
     assert len(tries) == 3 and not prepared.is_for([*command, "gui:=none"])
     prepared.end()
     assert not prepared.is_for(command)
+
+
+def test_a_box_that_waits_has_no_sockets_of_the_network(tmp_path):
+    """Ports of robots, pages and tablet are those of the box before, perhaps on this computer, and devices its own."""
+    write_box(str(tmp_path), PairedBox("10.1.0.2", 8083, "", ""))
+    words = ("run", "--unsupervised", "--no-browser", f"log_dir:={tmp_path}", "devices:=true", "tablet:=true")
+    box = subprocess.Popen([sys.executable, "-c", TEAM, *words], stderr=subprocess.PIPE, text=True)
+    try:
+        assert "waiting for a takeover" in box.stderr.readline()
+        time.sleep(0.5)
+        folder = f"/proc/{box.pid}/fd"
+        own = {os.readlink(os.path.join(folder, name)) for name in os.listdir(folder)}
+        lines = [line.split() for kind in ("tcp", "udp") for line in
+                 pathlib.Path(f"/proc/net/{kind}").read_text("ascii").splitlines()]
+        assert [line[1] for line in lines if f"socket:[{line[9]}]" in own] == []
+    finally:
+        box.kill()
+        box.wait()
+        box.stderr.close()
 
 
 def test_nothing_is_started_beside_another_core(preparing, monkeypatch):
