@@ -154,7 +154,9 @@ def _charged(worths: Sequence[Worth]) -> List[str]:
 
 def _marks(entry: Sequence[Any], sheet: Sheet) -> List[SheetMark]:
     """Return a mark; several if it takes more points than one time of its row has."""
-    text, number, options = (*entry, {})[:3]
+    if not isinstance(entry, list) or len(entry) < 2:
+        raise NotPossible(f"{entry!r} is not a mark: write [name of the row, how often, {{options}}]")
+    text, number, options = entry[0], entry[1], (*entry, {})[2] or {}
     item = _row(str(text), options, sheet)
     mark = SheetMark(
         item.id, _number(number), text=str(options.get("choice", "")), at_s=_seconds(options.get("t")),

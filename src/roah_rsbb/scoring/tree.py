@@ -181,6 +181,8 @@ class _Run:
     def _by_themselves(self) -> List[Happened]:
         """Return the incidents that follow from others because a time is over, unless something ends these before."""
         found = []
+        times = [*(mark.at_s for mark in self._marks), *(each.at_s for each in self.course.incidents)]
+        now = max((at_s for at_s in times if at_s is not None), default=ZERO)  # as far as is known
         for rule in self.sheet.incidents:
             for start in self.course.incidents if rule.of else ():
                 if start.incident != rule.of or start.at_s is None or rule.after is None:
@@ -189,7 +191,8 @@ class _Run:
                 for longer in self._extensions(rule):
                     if longer.at_s is not None and longer.at_s <= due:
                         due = max(due, longer.at_s + self._seconds(rule, longer))
-                found.append(Happened(rule.name, due, since=start.at_s))
+                if self.course.ended or due <= now:
+                    found.append(Happened(rule.name, due, since=start.at_s))
         return found
 
     def _extensions(self, rule: Incident) -> List[Happened]:

@@ -80,6 +80,7 @@ def test_cases_for_programs(capsys, tmp_path):
 @pytest.mark.parametrize("content, options, error", [
     ({"sheet": "General Purpose"}, [], "no sheet 'General Purpose'"),
     ({"sheet": GPSR, "marks": [["x", 1, {"i": 77}]]}, [], "no row 77 on the sheet"),
+    ({"sheet": GPSR, "marks": ["Understands a command"]}, [], "'Understands a command' is not a mark"),
     ({"sheet": GPSR, "marks": [["x", "many", {"i": 0}]]}, [], "'many' is not a number"),
     ({"sheet": GPSR, "marks": [["x", 1, {"i": 0, "t": "soon"}]]}, [], "'soon' is not a number"),
     ({**CASE, "decisions": {"Floor of an objectiv": "each time"}}, [], "unknown choice 'Floor of an objectiv'"),

@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import pytest
 
-from roah_rsbb.model.rules import Condition, Incident, Item, Measure, Sheet, Voids
+from roah_rsbb.model.rules import Condition, Incident, Item, ItemChoice, Measure, Sheet, Voids
 from roah_rsbb.scoring.tree import Course, Happened, SheetMark, count
 
 
@@ -89,3 +89,40 @@ def test_an_incident_costs_points_only_if_some_were_scored_afterwards(at, points
     rule = Incident("restart", marks="restarted", scored_after=True)
     found = worth(items, mark("done", at=at), incidents=[rule], happened=[Happened("restart", Fraction(10))])
     assert found.total == points
+
+
+REMOVED = Incident("removed", of="inactive", after=Decimal(30), ends=("active again",), voids=Voids.LATER,
+                   longer_by="longer time", requests=1)
+
+
+@pytest.mark.parametrize("happened, points", [
+    ([], 10),
+    ([("active again", 89)], 20), ([("active again", 90)], 20), ([("active again", 91)], 10),
+    # In the second in which the time is over, it can still be extended.
+    ([("longer time", 90)], 20), ([("longer time", 91)], 10),
+])
+def test_the_second_in_which_a_time_is_over(happened, points):
+    incidents = [Happened(name, Fraction(at_s), {"seconds": 60}) for name, at_s in [("inactive", 60), *happened]]
+    found = worth([row("done", 10)], mark("done", at=90), mark("done", at=120), incidents=[REMOVED], happened=incidents)
+    assert found.total == points
+
+
+@pytest.mark.parametrize("how, points", [("announced", 10), ("not announced", -490)])
+def test_a_row_of_the_sheet_is_a_fact(how, points):
+    items = row("done", 10), row("absent", -500), Item("how", "how", amount=Measure.CHOICE, choices=(
+        ItemChoice("announced"), ItemChoice("not announced")))
+    rule = Incident("absence", marks="absent", unless=(Condition("how", text="announced"),))
+    found = worth(items, mark("done"), mark("how", text=how), incidents=[rule], happened=[Happened("absence")])
+    assert found.total == points
+
+
+def test_a_row_that_was_made_at_the_event_has_its_name_in_the_steps():
+    found = worth([row("custom", 1)], mark("custom", name="Waters the plants", refused="too late"))
+    assert found.steps[0] == "Waters the plants: must not count: too late"
+
+
+@pytest.mark.parametrize("ended, at, said", [(False, 80, False), (False, 90, True), (True, 80, True)])
+def test_a_time_that_is_not_over_yet_has_no_consequence(ended, at, said):
+    found = worth([row("done", 10)], mark("done", at=at), incidents=[REMOVED],
+                  happened=[Happened("inactive", Fraction(60))], ended=ended)
+    assert any("by itself" in step for step in found.steps) == said
