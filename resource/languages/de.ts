@@ -2522,6 +2522,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Scored by the changed sheets, these runs that are over would have other points:</source>
+        <translation>Nach den geänderten Bögen gewertet hätten diese beendeten Läufe andere Punkte:</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Apply to the runs that are over, too</source>
+        <translation>Auch auf die beendeten Läufe anwenden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>The files contain what is in force</source>
         <translation>Die Dateien enthalten, was bereits gilt</translation>
     </message>
@@ -3735,6 +3745,11 @@
         <location filename="../../src/roah_rsbb/core/continuing.py"/>
         <source>zone &apos;{zone}&apos; is no longer in the schedule, but a run of {code} is connected in it: disconnect it first</source>
         <translation>Zone „{zone}“ steht nicht mehr im Zeitplan, aber ein Lauf von {code} ist dort verbunden: Trennen Sie ihn zuerst</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/continuing.py"/>
+        <source>to score signed sheets by other rules needs the name of who decided it: enter it, in the terminal with --by</source>
+        <translation>abgeschlossene Bögen nach anderen Regeln zu werten braucht den Namen dessen, der es entschieden hat: geben Sie ihn ein, im Terminal mit --by</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/continuing.py"/>

@@ -247,6 +247,7 @@ class Reloaded(NamedTuple):
     errors: Sequence[str] = ()  # of all files, with file and line; or why the change is not possible now
     warnings: Sequence[str] = ()
     changes: Sequence[str] = ()  # empty: nothing differs from what is in force
+    rescored: Sequence[str] = ()  # the runs whose points would change if all runs were scored by the new sheets
 
 
 class Reloads:
@@ -267,19 +268,20 @@ class Reloads:
 
     def call(self, found: Mapping[str, Any], caller: Caller) -> InThread:
         """The call `reload` of the door."""
-        digest, who = calls.text(found, "digest"), calls.who_of(found)
-        return InThread(lambda: self.reload(digest, who)._asdict())
+        digest, who, for_all = calls.text(found, "digest"), calls.who_of(found), found.get("for_all") is True
+        return InThread(lambda: self.reload(digest, who, for_all)._asdict())
 
-    def reload(self, digest: str, who: str) -> Reloaded:
-        """Check the files, or apply what was listed with this digest. Call it in another thread than the loop's."""
+    def reload(self, digest: str, who: str, for_all: bool = False) -> Reloaded:
+        """Check the files, or apply what was listed with this digest: for all runs, or from now on. Call it in another
+        thread than the loop's."""
         if not self._lock.acquire(timeout=WAIT_S):
             return Reloaded(errors=[BUSY])
         try:
-            return self._reload(digest, who)
+            return self._reload(digest, who, for_all)
         finally:
             self._lock.release()
 
-    def _reload(self, digest: str, who: str) -> Reloaded:
+    def _reload(self, digest: str, who: str, for_all: bool) -> Reloaded:
         ran = self._in_loop(self._box.reload.ran)
         try:
             content = self._configuration.read_next(ran)
@@ -287,19 +289,20 @@ class Reloads:
             return Reloaded(errors=str(errors).splitlines())
         changes = self._configuration.changes(content, ran)
         found = Reloaded(warnings=self._configuration.warnings_of(content, ran), changes=changes,
-                         errors=self._in_loop(lambda: self._box.reload.off(content.config)))
+                         errors=self._in_loop(lambda: self._box.reload.off(content.config)),
+                         rescored=self._in_loop(lambda: self._rescored(content.config)))
         if found.errors:
             return found
         found = found._replace(digest=content.digest)
         if not digest or digest != content.digest:
             return found._replace(errors=[CHANGED_AGAIN] if digest else [])
         with_ids = self._configuration.with_ids(content)
-        errors = self._apply(with_ids, changes, who)
+        errors = self._apply(with_ids, changes, who, for_all)
         trouble = "" if errors else self._configuration.write_ids(content, with_ids)
         return found._replace(errors=errors, applied=not errors,
                               warnings=[*found.warnings, *([trouble] if trouble else [])])
 
-    def _apply(self, content: Content, changes: List[str], who: str) -> List[str]:
+    def _apply(self, content: Content, changes: List[str], who: str, for_all: bool) -> List[str]:
         """Put a content into force; returns why that is not possible."""
         if not changes:
             return []
@@ -311,7 +314,7 @@ class Reloads:
 
         def act() -> None:
             self._use(content.config, version)
-            self._event(self._box.reload.take, content.config, version, changes, who)
+            self._event(self._box.reload.take, content.config, version, changes, who, for_all)
             self._configuration.content = content
 
         try:
@@ -320,6 +323,9 @@ class Reloads:
             self._configuration.put_back(before)
             return refused.reasons
         return []
+
+    def _rescored(self, config: Config) -> List[str]:
+        return [str(run) for run in self._box.reload.rescored(config)]
 
     def _versions_in_use(self) -> Tuple[int, ...]:
         return tuple(zone.version for zone in self._box.zones.values() if zone.run is not None)

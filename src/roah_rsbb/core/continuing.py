@@ -35,12 +35,12 @@ from roah_rsbb.core.zones import Zone, Zones, ZoneState, is_same, key_of_record
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import DevicesState, TabletState
 from roah_rsbb.model.reason import Refused, checked_who, say
-from roah_rsbb.model.records import Phase, RunRecord
+from roah_rsbb.model.records import Phase, RunRecord, SignOff
 from roah_rsbb.rulebook.benchmarks import Config, ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.event_ids import EventKey, key_of
-from roah_rsbb.scoring.book import FinishedRuns, left_behind
+from roah_rsbb.scoring.book import FinishedRuns, Rescored, left_behind
 from roah_rsbb.scoring.counting import with_events
-from roah_rsbb.wording import times
+from roah_rsbb.wording import sheets, times
 
 REPLAY = say("This is a replay of {run}: nothing here is live, and commands have no effect")
 RESTARTED = say("The box was restarted at {time}, {down} s after its last record")
@@ -219,6 +219,10 @@ CONNECTED = say("zone '{zone}' is no longer in the schedule, but a run of {code}
                 "first")
 
 
+NO_SIGNER = say("to score signed sheets by other rules needs the name of who decided it: enter it, in the terminal "
+                "with --by")
+
+
 class Reload:
     """Puts another configuration into force."""
 
@@ -256,8 +260,15 @@ class Reload:
         return [key_of_record(record) for record in self._finished.records()] + [
             key_of(run.event) for run in self._zones.runs()]
 
-    def take(self, now: Now, config: Config, version: int, changes: Sequence[str], who: str = "") -> None:
-        """Put a configuration into force. `changes` lists what it changes. Raises `Refused`."""
+    def rescored(self, config: Config) -> List[Rescored]:
+        """Return the runs that are over and whose sheets a configuration would score in another way."""
+        return self._finished.under(config.benchmarks, SignOff(0.0, ""))
+
+    def take(
+        self, now: Now, config: Config, version: int, changes: Sequence[str], who: str = "", for_all: bool = False
+    ) -> None:
+        """Put a configuration into force. `changes` lists what it changes; `for_all`: the runs that are over are scored
+        by its sheets, too. Raises `Refused`."""
         self._timers.tick(now)
         reasons = self.off(config)
         if reasons:
@@ -265,10 +276,17 @@ class Reload:
         recorded = list(changes[:MAX_RECORDED])
         if len(changes) > MAX_RECORDED:
             recorded.append(f"… and {len(changes) - MAX_RECORDED} more")
+        rescored = self._finished.under(
+            config.benchmarks, SignOff(now.utc, checked_who(who)), "scored by another sheet") if for_all else []
+        if any(run.before.sign_off is not None for run in rescored) and sheets.person(who) in ("", sheets.NO_NAME):
+            raise Refused([NO_SIGNER])
         value = {"version": version, "changes": recorded}
         self._outbox.emit(effects.Recorded("", "", None, "reload", value, checked_who(who)))
         self._robots.use_teams(config.passwords)
         self._finished.use(config.benchmarks, config.ranking)
+        for run in rescored:
+            self._finished.add(run.after)
+            self._outbox.emit(effects.RecordChanged(run.after))
         self._copies.use(config)
         self._use_zone(config.time_zone)
         self._connections.version = version

@@ -240,6 +240,17 @@ class Objection(NamedTuple):
     answer: str = ""
 
 
+class SheetVersion(NamedTuple):
+    """A signed score sheet that another version replaced. The history of the run has the marks of all versions."""
+
+    replaced_utc: float  # UTC seconds
+    why: str
+    sign_off: SignOff
+    items: Tuple[ItemRecord, ...]
+    points: Optional[SheetPoints]
+    form: Optional[SheetForm]
+
+
 class PublicationRecord(NamedTuple):
     """The publication of a result as provisional, and the objections to it. The sign-off ends both."""
 
@@ -276,6 +287,7 @@ class RunRecord(NamedTuple):
     publication: PublicationRecord = PublicationRecord()
     event: str = ""  # id of its event in the schedule; empty in journals before 2026-12
     outages: Tuple[Outage, ...] = ()  # oldest first
+    versions: Tuple[SheetVersion, ...] = ()  # earlier ones of its signed sheet, oldest first
 
 
 class By(NamedTuple):

@@ -100,9 +100,10 @@ class Link(Client[Document]):
         self.request("act", again=True, action=MARK, zone=zone, run=identity, given=mark,
                       by=referee or self.referee)
 
-    def reload(self, digest: str, referee: str) -> Dict[str, Any]:
-        """Check the configuration files, or apply what was listed with this digest. Raises as `act` does."""
-        return cast(Dict[str, Any], self.request("reload", digest=digest, by=referee))
+    def reload(self, digest: str, referee: str, for_all: bool) -> Dict[str, Any]:
+        """Check the configuration files, or apply what was listed with this digest; `for_all`: to the runs that are
+        over, too. Raises as `act` does."""
+        return cast(Dict[str, Any], self.request("reload", digest=digest, by=referee, for_all=for_all))
 
     def run_sheet(self, zone: str, identity: str, event: str = "") -> RunSheet:
         """Return a run's score sheet; an empty identity: of the connected run, or the empty one of the zone's event.

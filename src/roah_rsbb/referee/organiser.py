@@ -74,7 +74,9 @@ def _choose(call: Call) -> Exit:
     "reload", "take changed configuration files into use, without a restart",
     ["", "--check    (only list what would change)", "--yes --by Olga"],
     switch("--check", "change nothing: only list errors and changes"),
-    switch("--yes", "apply the changes without asking"), BY, has_keyboard=True,
+    switch("--yes", "apply the changes without asking"),
+    switch("--for-all", "score the runs that are over by changed sheets, too; signed ones get a new version"), BY,
+    has_keyboard=True,
 )
 def _reload(call: Call) -> Exit:
     """Check the configuration files, list what they change, and apply it."""
@@ -90,7 +92,7 @@ def _reload(call: Call) -> Exit:
 
 
 def _reloaded(call: Call, digest: str) -> Dict[str, Any]:
-    answer = call.link.reload(digest, call.options.referee)
+    answer = call.link.reload(digest, call.options.referee, call.options.for_all)
     if answer["errors"]:
         raise Refused([*answer["errors"], "Nothing was changed"])
     return answer
@@ -98,12 +100,15 @@ def _reloaded(call: Call, digest: str) -> Dict[str, Any]:
 
 def _show_reload(call: Call, answer: Dict[str, Any]) -> Exit:
     end = [whole_box.RELOAD_DONE] if answer["applied"] and answer["changes"] else []
-    return call.done(_reload_lines(answer) + end, **{name: answer[name] for name in ("applied", "changes", "warnings")})
+    names = "applied", "changes", "rescored", "warnings"
+    return call.done(_reload_lines(answer) + end, **{name: answer[name] for name in names})
 
 
 def _reload_lines(answer: Dict[str, Any]) -> List[str]:
     warnings = [f"warning: {escaped(text)}" for text in answer["warnings"]]
-    return warnings + ([escaped(text) for text in answer["changes"]] or [whole_box.RELOAD_SAME])
+    rescored = [escaped(text) for text in answer["rescored"]]
+    return [*warnings, *([escaped(text) for text in answer["changes"]] or [whole_box.RELOAD_SAME]),
+            *([f"{whole_box.RELOAD_RESCORED} (--for-all)", *rescored] if rescored else [])]
 
 
 # -- devices and codes ------------------------------------------------------------------------------

@@ -6,8 +6,8 @@ until it is signed off; each such change is a correction.
 """
 
 import itertools
-from dataclasses import dataclass, field
-from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
+from dataclasses import dataclass, field, replace
+from typing import Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Refused, say
@@ -21,6 +21,7 @@ from roah_rsbb.model.records import (
     PublicationRecord,
     RunRecord,
     ScoreEntry,
+    SheetVersion,
     SignOff,
     StopRecord,
 )
@@ -296,6 +297,17 @@ class FinishedRun:
         self.record = self.record._replace(sign_off=SignOff(now.utc, who))
         return f"Score sheet signed off by {who}"
 
+    def under(self, form: SheetForm, decided: SignOff, why: str) -> RunRecord:
+        """Return its record by other rules: the same marks on another sheet. A signed sheet stays as a version, and the
+        new one is signed by who decided it."""
+        record = self.record
+        state = replace(self._book.state, sheet=SheetState(list(record.history), record.marks))
+        found = RunBook(form, state, over=True).into(record)
+        if record.sign_off is None:
+            return found
+        before = SheetVersion(decided.utc, why, record.sign_off, record.items, record.points, record.form)
+        return found._replace(sign_off=decided, versions=(*record.versions, before))
+
     def _check_open(self) -> None:
         signed = self.record.sign_off
         if signed is not None:
@@ -309,6 +321,25 @@ class FinishedRun:
     def _changed(self, text: str) -> str:
         self.record = self._book.into(self.record)
         return text
+
+
+def is_scored_alike(one: SheetForm, other: SheetForm) -> bool:
+    """Whether two sheets have the same items and rules, whatever the time for objections is."""
+    return replace(one, objection_time=0.0, judges=None) == replace(other, objection_time=0.0, judges=None)
+
+
+class Rescored(NamedTuple):
+    """A run before and after its sheet is scored by other rules."""
+
+    before: RunRecord
+    after: RunRecord
+
+    def __str__(self) -> str:
+        run, points = self.before, (self.before.points, self.after.points)
+        totals = ["no points" if each is None else each.total for each in points]
+        signed = ", signed off: it gets a new version" if run.sign_off is not None else ""
+        name = f"{run.benchmark}, team {run.team}, {sheets.turn(run.round, run.run)}"
+        return f"{name}: {totals[0]}, now {totals[1]}{signed}"
 
 
 def left_behind(record: RunRecord, utc: float) -> RunRecord:
@@ -357,6 +388,16 @@ class FinishedRuns:
         return record._replace(
             items=self._items.setdefault(record.items, record.items), history=(), stops=(), phases=(), form=None,
             marks="", judging=_NO_JUDGING, publication=_NO_PUBLICATION)
+
+    def under(self, benchmarks: Mapping[str, Benchmark], decided: SignOff, why: str = "") -> List[Rescored]:
+        """Return the runs whose sheets other benchmarks would score in another way, the oldest first. Those that are
+        too old to be corrected keep theirs."""
+        found = []
+        for run in self._runs.values():
+            benchmark = benchmarks.get(run.record.benchmark)
+            if benchmark is not None and not is_scored_alike(form_of(run.record), benchmark.form):
+                found.append(Rescored(run.record, run.under(benchmark.form, decided, why)))
+        return found
 
     def restore(self, records: Iterable[RunRecord]) -> None:
         """Take records from before a restart, in any order. Only those of runs that were left are kept."""

@@ -35,7 +35,8 @@ FIELDS: Dict[str, Dict[str, type]] = {
 }
 # Those for the whole box, which only an organiser may give.
 OF_BOX: Dict[str, Dict[str, type]] = {
-    "reload": {"digest": str}, "exit": {"anyway": bool}, DEVICES: {}, SET_DEVICE: {"device": str, "value": int}}
+    "reload": {"digest": str, "for_all": bool}, "exit": {"anyway": bool}, DEVICES: {},
+    SET_DEVICE: {"device": str, "value": int}}
 SHEET = "sheet"
 # What is asked of the judges of a run: its answer depends on the role.
 JUDGING = "judging"

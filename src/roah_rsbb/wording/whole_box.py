@@ -200,6 +200,8 @@ def controller_text(is_connected: bool, text: str) -> Tuple[str, str]:
 RELOAD = tr_later("Reload configuration")
 RELOAD_ERRORS = tr_later("Nothing was changed. Correct this first:")
 RELOAD_APPLY = tr_later("Apply these changes? Connected runs keep what they began with.")
+RELOAD_RESCORED = tr_later("Scored by the changed sheets, these runs that are over would have other points:")
+RELOAD_FOR_ALL = tr_later("Apply to the runs that are over, too")
 RELOAD_SAME, RELOAD_DONE = tr_later("The files contain what is in force"), tr_later("The changes are in force")
 END_QUESTION, END_NOW = tr_later("End the whole RSBB?"), tr_later("End the RSBB")
 ENDS_ALL = tr_later("This ends the box and everything started with it, for all referees.")

@@ -1,6 +1,7 @@
 """Another configuration while the box runs: what changes, what runs keep, and what a restart continues with."""
 
 import dataclasses
+from decimal import Decimal
 
 import pytest
 
@@ -19,6 +20,7 @@ from roah_rsbb.rulebook.benchmarks import EventRules, ZonePlan
 from roah_rsbb.rulebook.changes import changes
 from roah_rsbb.rulebook.event_ids import adopted
 from roah_rsbb.scoring.counting import Why, rulings
+from roah_rsbb.scoring.sheet import Mark
 
 HOUR = 3600.0
 GLASS = ScoringItem("Achievements", "brings the glass", ScoreKind.BOOL)
@@ -398,3 +400,55 @@ def test_a_run_that_began_after_the_reload_needs_no_earlier_configuration(tmp_pa
     driver.kill(config=new, version=1, earlier={0: old})
     assert driver.run_in().event.benchmark.timeout == 60.0
     assert driver.box.zones["tbm"].version == 1
+
+
+# -- runs that are over, scored by a changed sheet ---------------------------------------------------
+
+
+def scored_day(points):
+    """One event whose sheet gives so many points for the glass."""
+    glass = dataclasses.replace(GLASS, points=Decimal(points))
+    return competition(tbm=[event(run=1, scoring=(glass,)), event("HWV", run=2, scheduled=UTC0 + HOUR)])
+
+
+def finished_run(driver, signer=""):
+    """A finished run with the glass, signed off if somebody does; returns its identity."""
+    driver.command("open_sheet")
+    driver.command("start")
+    identity = driver.box.zones["tbm"].run.identity
+    driver.event(driver.box.scores.mark, RunName("tbm", identity), Mark(*GLASS.key, 1), "Anna")
+    driver.command("stop")
+    driver.command("disconnect")
+    if signer:
+        driver.event(driver.box.scores.sign_off, RunName("tbm", identity), signer)
+    return identity
+
+
+def record(driver, identity):
+    return driver.box.scores.named(RunName("tbm", identity)).record
+
+
+def test_a_changed_sheet_names_the_runs_that_it_would_score_otherwise():
+    driver = BoxDriver(scored_day(60))
+    identity = finished_run(driver)
+    assert [str(run) for run in driver.box.reload.rescored(scored_day(50))] == [
+        "HGTKMH, team Alpha, round 1, run 1: 60, now 50"]
+    assert driver.box.reload.rescored(scored_day(60)) == []
+    reload(driver, scored_day(50), before=scored_day(60))
+    assert record(driver, identity).points.total == "60", "from now on"
+
+
+def test_a_changed_sheet_for_all_runs_gives_a_signed_one_a_new_version():
+    driver = BoxDriver(scored_day(60))
+    identity = finished_run(driver, "Ben")
+    signed = record(driver, identity)
+    with pytest.raises(Refused, match="needs the name"):
+        driver.event(driver.box.reload.take, scored_day(50), 1, ["a sheet"], "/web", True)
+    driver.event(driver.box.reload.take, scored_day(50), 1, ["a sheet"], "Olga", True)
+    now = record(driver, identity)
+    assert (now.points.total, now.sign_off.who, now.history) == ("50", "Olga", signed.history)
+    (version,) = now.versions
+    assert (version.points, version.items, version.sign_off) == (signed.points, signed.items, signed.sign_off)
+    assert driver.taken(effects.RecordChanged)[-1].record == now
+    with pytest.raises(Refused, match="final"):
+        driver.event(driver.box.scores.mark, RunName("tbm", identity), Mark(*GLASS.key, 0), "Anna")

@@ -258,7 +258,7 @@ def session(grant):
 
 
 @pytest.mark.parametrize("name, fields", [
-    ("reload", {"digest": "d"}), ("exit", {"anyway": True}), ("devices", {}),
+    ("reload", {"digest": "d", "for_all": False}), ("exit", {"anyway": True}), ("devices", {}),
     ("set_device", {"device": "dimmer", "value": 40})])
 def test_only_an_organiser_commands_the_whole_box(name, fields):
     commands = [command_of(name, {**fields, "zone": "Home"}, session(grant)) for grant in (ORGANISER, REFEREE, JUDGE)]

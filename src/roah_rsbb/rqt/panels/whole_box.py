@@ -1,5 +1,6 @@
 """Panels of the whole box: Core Status with reload and exit, Tablet Status, Active Robots (docs/referee.md)."""
 
+from functools import partial
 from typing import Callable, List, Optional, Sequence, Tuple
 
 from roah_rsbb.rqt import basic
@@ -9,6 +10,7 @@ from roah_rsbb.rqt.panels.actions import FormDialog, ask
 from roah_rsbb.rqt.panels.panel import AnswerLine, CollapsingPanel, Panel
 from roah_rsbb.rqt.qt import (
     QAbstractItemView,
+    QCheckBox,
     QFormLayout,
     QGridLayout,
     QHBoxLayout,
@@ -110,15 +112,18 @@ class CoreStatusPanel(Panel):
             self.answer.say(tr(whole_box.RELOAD_SAME))
         else:
             warnings = [tr("Warning: {line}", line=line) for line in answer["warnings"]]
-            self._show_lines(tr(whole_box.RELOAD_APPLY), [*answer["changes"], *warnings],
-                             lambda: self._apply(answer["digest"]))
+            rescored = [tr(whole_box.RELOAD_RESCORED), *answer["rescored"]] if answer["rescored"] else []
+            self._show_lines(tr(whole_box.RELOAD_APPLY), [*answer["changes"], *warnings, *rescored],
+                             partial(self._apply, answer["digest"]), bool(rescored))
 
-    def _show_lines(self, heading: str, lines: Sequence[str], apply: Optional[Callable[[], None]] = None) -> None:
-        basic.show_dialog(ReloadDialog(self, heading, list(lines), apply))
+    def _show_lines(
+        self, heading: str, lines: Sequence[str], apply: Optional[Callable[[bool], None]] = None, has_runs: bool = False
+    ) -> None:
+        basic.show_dialog(ReloadDialog(self, heading, list(lines), apply, has_runs))
 
-    def _apply(self, digest: str) -> None:
+    def _apply(self, digest: str, for_all: bool) -> None:
         self.answer.say(tr("Reload …"))
-        self.client.calls.call(self, RELOAD, self._applied, digest=digest)
+        self.client.calls.call(self, RELOAD, self._applied, digest=digest, for_all=for_all)
 
     def _applied(self, outcome: CallOutcome) -> None:
         if not outcome.error and outcome.result["errors"]:
@@ -156,16 +161,22 @@ RELOAD_WIDE_EMS, RELOAD_HIGH_EMS = 52, 26
 
 
 class ReloadDialog(FormDialog):
-    """Shows the lines, and calls `apply()` if the organiser confirms. Without `apply`, it can only be closed."""
+    """Shows the lines, and calls `apply(for_all)` if the organiser confirms. Without `apply`, it can only be closed.
+    `has_runs`: the changes may be applied to the runs that are over, too."""
 
-    def __init__(self, parent: QWidget, heading: str, lines: List[str], apply: Optional[Callable[[], None]]) -> None:
+    def __init__(
+        self, parent: QWidget, heading: str, lines: List[str], apply: Optional[Callable[[bool], None]], has_runs: bool
+    ) -> None:
         super().__init__(parent, tr(whole_box.RELOAD), heading, "" if apply is None else tr("Apply"))
         self.lines = QPlainTextEdit("\n".join(lines), readOnly=True)
         self.form.addRow(self.lines)
+        self.for_all = QCheckBox(tr(whole_box.RELOAD_FOR_ALL))
+        if has_runs:
+            self.form.addRow(self.for_all)
         if apply is not None:
             self.yes.setAutoDefault(False)
             self.cancel.setDefault(True)
-            self.accepted.connect(apply)
+            self.accepted.connect(lambda: apply(self.for_all.isChecked()))
         self.resize(round(RELOAD_WIDE_EMS * basic.em()), round(RELOAD_HIGH_EMS * basic.em()))
 
     def confirm(self) -> None:
