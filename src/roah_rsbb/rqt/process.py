@@ -1,6 +1,8 @@
 """What each process with windows needs, in rqt as in our own window: the language, and that a fault in one panel ends
 neither the others nor STOP.
 
+- The environment chooses the language (docs/referee.md, "Language"): a file in resource/languages, in the format of Qt
+  Linguist. It is read when a program starts, so that a corrected text needs no build.
 - An exception that nobody handled is logged, and the parts that failed are named to `listeners`.
 - Python's garbage is collected in Qt's thread only. By itself, Python collects it in whichever thread creates an
   object, such as one of rospy's. If that destroys a widget while Qt handles an event of it, the program crashes.
@@ -9,13 +11,16 @@ neither the others nor STOP.
 import contextlib
 import gc
 import logging
+import os
+import pathlib
 import sys
 import threading
 import traceback
-from typing import Callable, Iterator, List, Optional, Set
+from typing import Callable, Iterator, List, Mapping, Optional, Set
 
-from roah_rsbb.rqt import language
-from roah_rsbb.rqt.qt import QApplication, QTimer
+from roah_rsbb.ground.installed import NotShipped, shipped_folder
+from roah_rsbb.rqt.qt import QApplication, QCoreApplication, QLibraryInfo, QTimer, QTranslator
+from roah_rsbb.wording.language import ENGLISH, Texts, chosen, form_of, read_texts, set_translation, translation
 
 # Each is called with the name of the part that failed.
 listeners: List[Callable[[str], None]] = []
@@ -31,7 +36,7 @@ def prepare() -> None:
     """Prepare this process, once Qt has started, in Qt's thread. Further calls have no effect."""
     global _collector
     sys.excepthook = _log  # PyQt would end the process, and with it the referee's view of all runs
-    language.install()
+    _install_language()
     if _collector is None:
         gc.disable()
         _collector = QTimer(QApplication.instance())
@@ -79,3 +84,51 @@ def _part(trace) -> str:
             return type(owner).__name__
         trace = trace.tb_next
     return "?"
+
+
+# -- the language ---------------------------------------------------------------------------------
+
+_installed: List[QTranslator] = []
+
+
+def chosen_language(folder: pathlib.Path, environment: Mapping[str, str]) -> str:
+    """Return the first language that the environment asks for and that `folder` has; English if there is none."""
+    locale = next(filter(None, map(environment.get, ("LC_ALL", "LC_MESSAGES", "LANG"))), "C")
+    if locale.partition(".")[0] in ("C", "POSIX"):
+        return ENGLISH
+    names = (name.partition(".")[0].partition("@")[0] for name in (*environment.get("LANGUAGE", "").split(":"), locale))
+    return chosen(",".join(names), {ENGLISH, *(path.stem for path in folder.glob("*.ts"))})
+
+
+class Catalogue(QTranslator):
+    """The texts of one language, for those that are Qt's own."""
+
+    def __init__(self, name: str, texts: Texts) -> None:
+        super().__init__()
+        self._language = name
+        self._texts = texts
+
+    def isEmpty(self) -> bool:
+        return not self._texts
+
+    def translate(self, context: str, text: str, _disambiguation: Optional[str] = None, n: int = -1) -> Optional[str]:
+        return form_of(self._language, self._texts.get((context, text)), n)
+
+
+def _install_language() -> None:
+    """Show the windows of this process in the language that the environment asks for."""
+    if _installed:
+        return
+    try:
+        folder = shipped_folder().parent / "resource" / "languages"
+    except NotShipped:  # English
+        return
+    name = chosen_language(folder, os.environ)
+    if name == ENGLISH:
+        return
+    of_qt, texts = QTranslator(), read_texts(folder / f"{name}.ts")
+    of_qt.load(f"qtbase_{name}", QLibraryInfo.location(QLibraryInfo.TranslationsPath))
+    for translator in (of_qt, Catalogue(name, texts)):  # Qt asks the last one first
+        QCoreApplication.installTranslator(translator)
+        _installed.append(translator)
+    set_translation(translation(name, texts))

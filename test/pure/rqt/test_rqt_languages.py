@@ -15,7 +15,7 @@ LANGUAGES = sorted(path.stem for path in catalogues.FOLDER.glob("*.ts"))
 
 # What programs print or log, and errors of files. No window shows it.
 NOT_IN_WINDOWS = {
-    "rqt/panels/__init__.py", "rqt/programs.py", "rqt/qt.py", "rqt/language.py",
+    "rqt/panels/__init__.py", "rqt/programs.py", "rqt/qt.py", "rqt/process.py",
     "wording/language.py", "wording/texts.py",
 }
 # Literals that look like texts: names of classes, keys and time zones, and what rospy and the core say.
@@ -116,7 +116,7 @@ def test_a_file_is_as_the_tool_writes_it(language, tmp_path):
 def _of_windows():
     pytest.importorskip("rospkg")
     pytest.importorskip("PyQt5.QtCore")
-    from roah_rsbb.rqt import language as of_windows
+    from roah_rsbb.rqt import process as of_windows
 
     return of_windows
 
@@ -138,7 +138,7 @@ def _of_windows():
     ({"LANG": "en_US.UTF-8", "LANGUAGE": "tlh:de_CH"}, "de"),
 ])
 def test_the_environment_chooses_the_language(of_windows, environment, expected):
-    assert of_windows.chosen(catalogues.FOLDER, environment) == expected
+    assert of_windows.chosen_language(catalogues.FOLDER, environment) == expected
 
 
 def test_counts_choose_the_form(of_windows):
@@ -195,7 +195,7 @@ def test_without_windows_all_texts_are_english():
         path.relative_to(texts_in_code.PACKAGE).as_posix()
         for path in texts_in_code.PACKAGE.rglob("*.py") if "set_translation" in path.read_text(encoding="utf-8")
     }
-    assert users == {"wording/language.py", "rqt/language.py"}
+    assert users == {"wording/language.py", "rqt/process.py"}
 
 
 # -- sentences of the core --------------------------------------------------------------------------
