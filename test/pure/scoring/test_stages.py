@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+import random
 import re
 import tempfile
 from decimal import Decimal
@@ -453,3 +454,63 @@ def test_an_error_names_its_line_and_the_remedy(old, new, line, expected):
         rules_of(WRITTEN.replace(old, new, 1), *NAMES)
     assert [error.line for error in caught.value.errors] == [line], caught.value
     assert expected in str(caught.value)
+
+
+# -- a second computation ---------------------------------------------------------------------------
+
+
+def plainly(chance):
+    """Random stages as a text, their attempts, and what they give, computed slowly and plainly."""
+    teams = "ABCDEFG"[:chance.randint(1, 7)]
+    attempts = {test: {team: [chance.randint(-3, 9) for _ in range(chance.randint(0, 3))] for team in teams}
+                for test in ("T", "U", "Final")}
+    rule = chance.choice(["best", "last", "mean of the best 2"])
+    weight, advance = chance.randint(0, 3), chance.randint(1, 7)
+    scale, others = chance.choice(["no", "best", "rank"]), chance.choice(["below", "zero"])
+    text = f"""
+T: {{ runs: {rule} }}
+stages:
+  - {{ name: Tasks, of: [{{ test: T }}, {{ test: U, weight: {weight} }}], advance: {advance}, ties: [U] }}
+  - name: Last
+    teams: Tasks
+    of: [{{ stage: Tasks }}, {{ test: Final, weight: 2 }}]
+    normalised: {scale}
+    others: {others}
+"""
+
+    def of_attempts(points, rule):
+        if not points:
+            return Fraction(0)
+        best = sorted(points, reverse=True)[:2]
+        return {"best": Fraction(best[0]), "last": Fraction(points[-1])}.get(rule, Fraction(sum(best), len(best)))
+
+    number = {test: {team: of_attempts(points, rule if test == "T" else "best") for team, points in own.items()}
+              for test, own in attempts.items()}
+    tasks = {team: number["T"][team] + weight * number["U"][team] for team in teams}
+    better = {team: (tasks[team], number["U"][team] if weight else 0) for team in teams}
+    place = {team: 1 + sum(better[other] > better[team] for other in teams) for team in teams}
+    inside = [team for team in teams if place[team] <= advance]
+    ranked_here = inside if others == "below" else teams
+    final = {team: number["Final"][team] if team in inside else Fraction(0) for team in ranked_here}
+    last = {}
+    for team in ranked_here:
+        parts = []
+        for numbers, of_all, times in ((tasks, tasks, 1), (final, final, 2)):
+            own = {one: numbers[one] for one in ranked_here}
+            most = max([of_all[one] for one in of_all if numbers is tasks or attempts["Final"][one]], default=0)
+            parts.append(times * {"no": own[team], "best": own[team] / most if most > 0 else Fraction(0),
+                                  "rank": 1 + sum(value > own[team] for value in own.values())}[scale])
+        last[team] = sum(parts)
+    sign = -1 if scale == "rank" else 1
+    places = {team: 1 + sum(sign * last[other] > sign * last[team] for other in last) for team in last}
+    places.update({team: 1 + len(last) + sum(place[other] < place[team] for other in teams if other not in last)
+                   for team in teams if team not in last})
+    return text, attempts, (tasks, place), ({team: last.get(team) for team in teams}, places)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_a_slow_and_plain_computation_gives_the_same(seed):
+    text, attempts, *expected = plainly(random.Random(seed))
+    found = ranked(text, attempts)
+    assert [({line.team: line.total for line in each.lines}, {line.team: line.place for line in each.lines})
+            for each in found] == expected
