@@ -217,8 +217,8 @@ def _load(paths: Sequence[str], texts: Texts) -> Content:
         errors += found.errors
     if loaded is None or errors:
         raise ConfigErrors(errors)
-    decisions = tuple(dict.fromkeys((*loaded.decisions, *rules.decisions)))
-    return Content(replace(loaded, ranking=rules, decisions=decisions), tuple(warnings), texts)
+    rules.decisions = tuple(dict.fromkeys((*loaded.decisions, *rules.decisions)))
+    return Content(replace(loaded, ranking=rules, decisions=rules.decisions), tuple(warnings), texts)
 
 
 def _load_texts(texts: Texts) -> Optional[Content]:

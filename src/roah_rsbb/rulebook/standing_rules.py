@@ -64,7 +64,7 @@ class StandingRules(Dict[str, Rules]):
 
     stages: Tuple[Stage, ...] = ()
     adjusted: Tuple[Adjusted, ...] = ()  # what teams were given outside any run
-    decisions: Tuple[Decision, ...] = ()  # what they leave to people
+    decisions: Tuple[Decision, ...] = ()  # what they leave to people, or all rules of the competition do
 
     def __eq__(self, other: object) -> bool:
         return (dict.__eq__(self, other) is True and self.stages == getattr(other, "stages", ())

@@ -215,9 +215,10 @@ def stage_standings(rules: StandingRules, records: Sequence[RunRecord], choice: 
     results = {code: _results(each, records, choice) for code, each in found.items()}
     attempts = {code: each.attempts for code, each in found.items()}
     ranked = rank(rules.stages, results, attempts, rules.adjusted)
-    decided = tuple(DECIDED(name=each.name, reading=each.chosen) for each in rules.decisions
-                    if each.chosen != each.readings[0])
-    return [_stage_standing(each, records, results, choice, runs, decided) for each in ranked]
+    tables = [_stage_standing(each, records, results, choice, runs) for each in ranked]
+    decided = [DECIDED(name=each.name, reading=each.chosen) for each in rules.decisions
+               if each.chosen != each.readings[0]]
+    return [*tables[:-1], *(each._replace(remarks=(*each.remarks, *decided)) for each in tables[-1:])]
 
 
 def _results(found: Standing, records: Sequence[RunRecord], choice: RunChoice) -> Dict[str, List[Result]]:
@@ -246,7 +247,7 @@ def _was_to_run(record: RunRecord) -> bool:
 
 def _stage_standing(
     ranked: StageRanking, records: Sequence[RunRecord], results: Mapping[str, Mapping[str, Sequence[Result]]],
-    choice: RunChoice, runs: Mapping[str, RankedRun], decided: Sequence[str],
+    choice: RunChoice, runs: Mapping[str, RankedRun],
 ) -> Standing:
     stage = ranked.stage
     remarks: List[str] = []
@@ -263,7 +264,7 @@ def _stage_standing(
         counting += f"; in a tie {', then '.join(stage.ties)}"
     return Standing(
         "", AttemptsRule(), tuple(Criterion(name, True, ()) for name in names), lines,
-        tuple(dict.fromkeys([*remarks, *ranked.notes, *decided])), tuple("" for _ in names), stage.name, counting,
+        tuple(dict.fromkeys([*remarks, *ranked.notes])), tuple("" for _ in names), stage.name, counting,
         ranked.steps)
 
 

@@ -19,7 +19,8 @@ from roah_rsbb.results import lists
 from roah_rsbb.results.runs import NotPossible, RunResult, find, find_record, records, run_result
 from roah_rsbb.rulebook import config, errors
 from roah_rsbb.rulebook.benchmarks import Benchmark
-from roah_rsbb.rulebook.errors import ConfigErrors
+from roah_rsbb.rulebook.decisions import decided_in, decisions_in
+from roah_rsbb.rulebook.errors import ConfigErrors, Report
 from roah_rsbb.rulebook.standing_rules import StandingRules, read_rules
 from roah_rsbb.scoring.counting import Ruling, RunChoice, Why, rulings, with_events
 from roah_rsbb.wording import times
@@ -100,8 +101,11 @@ def _log_dir(options: argparse.Namespace) -> str:
 
 
 def rules(options: argparse.Namespace) -> StandingRules:
-    """Return the rules of the standings. Raises ConfigErrors."""
-    return read_rules(file(options, RULES_FILE))
+    """Return the rules of the standings, with all decisions of the competition. Raises ConfigErrors."""
+    found = read_rules(file(options, RULES_FILE))
+    of_sheets = decisions_in(decided_in(Report(), file(options, BENCHMARKS_FILE)))
+    found.decisions = tuple(dict.fromkeys((*of_sheets, *found.decisions)))
+    return found
 
 
 def benchmarks(options: argparse.Namespace) -> Dict[str, Benchmark]:
