@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.model.rules import Item, ItemChoice, JuryResult, Measure, Number, Sheet
+from roah_rsbb.model.rules import Incident, Item, ItemChoice, JuryResult, Measure, Number, Sheet
 
 # The largest number of points for one, the largest limit, and the largest value of an item that has a limit.
 MAX_NUMBER = 1_000_000
@@ -218,8 +218,16 @@ def rows(sheet: Sheet) -> Tuple[ScoringItem, ...]:
             key = sections[item.id], item.name
             seen[key] = seen.get(key, 0) + 1
             found.append(_row(item, key[0], item.name if seen[key] == 1 else f"{item.name} ({seen[key]})", names))
-    found += [ScoringItem(INCIDENTS, incident.name, ScoreKind.UINT) for incident in sheet.incidents]
+    found += [ScoringItem(INCIDENTS, incident.name, ScoreKind.UINT) for incident in marked_incidents(sheet)]
     return tuple(found)
+
+
+def marked_incidents(sheet: Sheet) -> List[Incident]:
+    """Return the incidents that referees mark: not pauses, which the run's clock knows, nor what a choice says."""
+    choices = {item.id for item in sheet.items if item.amount is Measure.CHOICE}
+    pauses = {name for incident in sheet.incidents if incident.pauses for name in (incident.name, incident.ends)}
+    return [incident for incident in sheet.incidents
+            if incident.name not in pauses and incident.marks not in choices]
 
 
 def _row(item: Item, group: str, desc: str, names: Dict[str, str]) -> ScoringItem:

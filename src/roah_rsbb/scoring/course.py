@@ -5,7 +5,7 @@ from fractions import Fraction
 from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.model.records import ItemRecord, ScoreEntry
-from roah_rsbb.model.rules import Measure, Sheet
+from roah_rsbb.model.rules import Item, Measure, Sheet
 from roah_rsbb.model.scoring import INCIDENTS, Key, ScoringItem
 from roah_rsbb.scoring.earlier import key_id
 from roah_rsbb.scoring.tree import Course, Happened, SheetMark, void_marks
@@ -54,7 +54,7 @@ def course_of(
         # What takes something away corrects a mark: it is never too late.
         in_time = entry.in_time or after <= before
         marks += [(mark._replace(at_s=at_s, in_time=in_time), entry.number)
-                  for mark in _marks(item_id, kinds[item_id].amount, entry, before, after)]
+                  for mark in _marks(kinds[item_id], entry, before, after)]
     ratings = [(SheetMark(id_of(rows[record.key]), Fraction(record.text), sets=True), 0)
                for record in records if record.text and record.key in rows
                and kinds[id_of(rows[record.key])].amount is Measure.RATING]
@@ -88,15 +88,15 @@ def _number(entry: ScoreEntry, row: ScoringItem, before: Fraction) -> Fraction:
     return Fraction(entry.text) if entry.text and not row.choices else Fraction(entry.value)
 
 
-def _marks(item_id: str, measure: Measure, entry: ScoreEntry, before: Fraction, after: Fraction) -> List[SheetMark]:
-    if measure is Measure.CHOICE:
-        return [SheetMark(item_id, text=entry.text, sets=True)]
-    if measure is not Measure.PERCENT:
-        return [SheetMark(item_id, after - before) if entry.added else SheetMark(item_id, after, sets=True)]
-    # Whole times, and the part of one that is left. More percent than before are another time.
-    if entry.added and after > before:
-        return _times(item_id, after - before)
-    again = _times(item_id, after) or [SheetMark(item_id, Fraction(0))]
+def _marks(item: Item, entry: ScoreEntry, before: Fraction, after: Fraction) -> List[SheetMark]:
+    if item.amount is Measure.CHOICE:
+        return [SheetMark(item.id, text=entry.text, sets=True)]
+    if item.amount is not Measure.PERCENT:
+        return [SheetMark(item.id, after - before) if entry.added else SheetMark(item.id, after, sets=True)]
+    # Whole times, and the part of one that is left. More percent than before are another time, if there can be one.
+    if entry.added and after > before and item.times != 1:
+        return _times(item.id, after - before)
+    again = _times(item.id, after) or [SheetMark(item.id, Fraction(0))]
     return [again[0]._replace(sets=True), *again[1:]]
 
 

@@ -200,7 +200,8 @@ class _Run:
         return sorted(asked, key=_when)[:rule.requests]
 
     def _seconds(self, rule: Incident, longer: Happened) -> Fraction:
-        asked = Fraction(str(longer.facts.get("seconds") or 0))
+        # Who does not say how long asks for all that is allowed.
+        asked = Fraction(str(longer.facts.get("seconds") or rule.longer or 0))
         return asked if rule.longer is None else min(asked, Fraction(rule.longer))
 
     def _is_over(self, rule: Incident, happened: Happened) -> bool:

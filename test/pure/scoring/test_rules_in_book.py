@@ -146,3 +146,18 @@ def test_a_restart_of_the_box_and_a_finished_run_keep_all_of_it():
     assert finished.book.counted("timeout").points == record.points
     finished.say_in_time(book.now, By("Ben"), 4, True)
     assert finished.record.points.total == "30"
+
+
+def test_a_percentage_of_an_item_that_counts_once_is_one_number():
+    once = Sheet((Item("all", TABLE, amount=Measure.SECTION),
+                  Item("one", "Solves it", "all", Measure.PERCENT, Decimal(250), times=1)))
+    book = Book(once).at(10, "Solves it", text="50").at(20, "Solves it", added="30")
+    assert (book.total(), book.value("Solves it")) == ("200", "80")
+    assert book.at(30, "Solves it", added="-60").total() == "50"
+
+
+def test_referees_mark_no_pauses_and_nothing_that_a_choice_says():
+    kinds = Item("how", "How they came", amount=Measure.CHOICE)
+    incidents = (Incident("pause", pauses=True, ends="resume"), Incident("resume"), Incident("came", marks="how"),
+                 Incident("restart"))
+    assert [row.desc for row in rows(Sheet((kinds,), incidents)) if row.group == INCIDENTS] == ["restart"]
