@@ -727,11 +727,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>The rules allow a restart, which continues this run.</source>
-        <translation>Die Regeln erlauben einen Neustart, der diesen Lauf fortsetzt.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>■ STOP</source>
         <translation>■ STOPP</translation>
     </message>
@@ -972,8 +967,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>▶ Continue the run</source>
-        <translation>▶ Lauf fortsetzen</translation>
+        <source>▶ Start again</source>
+        <translation>▶ Wieder starten</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>

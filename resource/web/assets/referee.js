@@ -252,7 +252,6 @@ function Run({zone, texts}) {
 function Now({zone, texts, judge}) {
   const {marks} = state;
   const late = marks.waiting.filter((mark) => mark.isLate);
-  const mayContinue = !judge && zone.phase === "ended" && zone.off.start.length === 0;
   const asked = judge ? [] : offered(zone, texts).filter(([, {row}]) => row === "module");
   return html`
     <section class="now ${asked.length > 0 ? "operation" : ""}" tabindex="0" aria-label=${texts.state}>
@@ -264,10 +263,9 @@ function Now({zone, texts, judge}) {
         <${zone.questions.connect ? Twice : Command} key=${robot} label=${texts.connect_robot.replace("{robot}", () => robot)}
           question=${texts.really} act=${() => give("connect", texts, robot, shownOf(zone, "connect", texts.actions.connect, {robot}))} />`)}</div>`}
       ${marks.refused.map((mark) => html`<${RefusedMark} key=${mark.id} mark=${mark} marks=${marks} texts=${texts} />`)}
-      <div role="status" key=${JSON.stringify([late, asked, mayContinue, zone.todo, zone.warnings, zone.state])}>
+      <div role="status" key=${JSON.stringify([late, asked, zone.todo, zone.warnings, zone.state])}>
         ${late.map((mark) => html`<p class="alarm">${lateText(mark, texts)}</p>`)}
         ${asked.length === 0 && html`<p class="todo ${zone.is_urgent ? "urgent" : ""}">${zone.todo}</p>`}
-        ${mayContinue && html`<p>${texts.may_continue}</p>`}
         <ul class="warnings">${zone.warnings.map((text) => html`<li>⚠ ${text}</li>`)}</ul>
         <ul class="state">${zone.state.map((line) => html`<li>${line}</li>`)}</ul>
       </div>

@@ -129,7 +129,6 @@ def page_words() -> Dict[str, Any]:
             others_quiet="No other zone needs its referee", close="Close", fill_in="Fill in the fields",
             really="Press again: {command}", state="State", commands="Commands", more="More commands",
             sheet="Score sheet", time="Time", connect_robot="Connect {robot}",
-            may_continue="The rules allow a restart, which continues this run.",
             # STOP
             stop="■ STOP", stop_all="■ STOP ALL", hold="hold",
             nothing_to_stop="No run is in progress, so there is nothing to stop", others_run=stop.OTHERS_RUN,
@@ -164,7 +163,7 @@ def page_words() -> Dict[str, Any]:
             uphold=judging.UPHOLD, reject=judging.REJECT,
             no_answer="No answer from the box: check the network, and try again",
         ),
-        "continue": tr("▶ Continue the run"), **{f"role_{name}": tr(text) for name, text in ROLES.items()},
+        "continue": tr("▶ Start again"), **{f"role_{name}": tr(text) for name, text in ROLES.items()},
         "schedule_shows": [[show.value, tr(show.value)] for show in schedule.Show if show is not schedule.Show.ALL],
         "robot_columns": [tr(column) for column in whole_box.ROBOT_COLUMNS],
         "robot_explanations": list(whole_box.column_explanations().values()),

@@ -823,7 +823,7 @@ class TestTouches(PhoneCase):
                 else:
                     page.lift()
                 self.assertEqual(gateway.count("stop"), 1, "it is given once")
-        page.wait("document.querySelector('button[data-command=start]').textContent.includes('Continue the run')",
+        page.wait("document.querySelector('button[data-command=start]').textContent.includes('Start again')",
                   "what the rules allow after a stop by mistake")
 
     def test_the_way_of_a_stop(self) -> None:
