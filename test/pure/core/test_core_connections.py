@@ -5,7 +5,7 @@ import json
 import pytest
 
 from helpers.all_robots import robots_of
-from helpers.box_driver import BoxDriver, beacon_bytes
+from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event, run_record
 from roah_rsbb.core import effects
 from roah_rsbb.core.connections import MAX_PORTS_TRIED
@@ -145,11 +145,6 @@ def test_a_beacon_that_would_be_too_large_refuses_connect_with_its_size():
     assert driver.off("connect", f"zone{connected}") == []
 
 
-def test_robots_that_are_known_to_read_more_raise_the_limit():
-    driver = BoxDriver(_many_zones(40), Settings(max_datagram=2000))
-    assert _connect_all(driver, 40) == (40, [])
-
-
 def test_the_beacon_keeps_to_its_size_whatever_devices_and_tablet_say_later():
     """Measured in real bytes: a ring of the bell lengthens the beacon."""
     core_radio_size = pytest.importorskip("roah_rsbb.comm.frame").encoded_size
@@ -167,19 +162,6 @@ def test_the_beacon_keeps_to_its_size_whatever_devices_and_tablet_say_later():
     driver.event(driver.box.arrivals.on_tablet, "10.0.0.3", TabletState(True, longest, longest, 1.0, 2.0))
     assert driver.box.beacon().tablet.call_time == longest
     assert size(driver.box.beacon()) <= 1024
-
-
-def test_the_size_is_asked_with_the_robot_that_comes():
-    asked = []
-
-    def size(beacon):
-        asked.append([r.port for r in beacon.robots])
-        return beacon_bytes(beacon)
-
-    driver = BoxDriver(beacon_size=size)
-    driver.robot().beacon()
-    assert driver.off("connect") == []
-    assert asked[-1] == [6667]
 
 
 @pytest.mark.parametrize("last_port, reported", [(6990, None), (6991, "9 UDP ports"), (7000, "0 UDP ports"),

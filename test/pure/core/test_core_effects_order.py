@@ -94,16 +94,6 @@ def test_when_states_leave():
     assert hows() == [How.QUIET]
 
 
-def test_each_message_acknowledges_the_last_one_received():
-    driver = BoxDriver()
-    robot = driver.connected()
-    for _ in range(3):
-        robot.says()
-        assert driver.states[robot.port][-1] == BoxMessage("HGTKMH", BoxState.STOP, robot.last.time)
-    driver.command("start")
-    assert driver.states[robot.port][-1] == BoxMessage("HGTKMH", BoxState.PREPARE, robot.last.time)
-
-
 OF_FUNCTIONALITY = {f"/rsbb_log/{t}" for t in (
     "bmbox/goal", "bmbox/score", "manual_operation", "opf_result", "result", "omf_switches",
     "omf_button", "omf_damaged", "omf_complete",

@@ -147,18 +147,6 @@ def test_stop_and_start_again(seed):
     assert_legal(world, port, robot)
 
 
-@pytest.mark.parametrize("seed", range(few(4)))
-def test_a_timeout_reaches_the_robot(seed):
-    world = _world("everything", seed, "HGTKMH", timeout=20.0)
-    robot = _connected(world, execute_s=1000.0)
-    world.press("start")
-    started = world.mono
-    assert world.run_until(lambda: _ended(world), 100)
-    assert world.mono - started == pytest.approx(20.0)
-    assert world.box.run_in().end_reason is EndReason.TIMEOUT
-    assert world.run_until(lambda: robot.session.progress.state is RobotState.STOP, 10)
-
-
 @pytest.mark.parametrize("when", [0.5, 1.5, 4.0])
 def test_a_robot_that_crashes_and_comes_back_completes(when):
     world = _world("everything", 1, "HGTKMH")
@@ -198,20 +186,6 @@ def test_two_zones_at_once():
         assert_legal(world, run.port, robot)
 
 
-def test_a_robot_hears_of_devices_and_tablet_that_it_commands():
-    world = _world("everything", 2, "HCFGAC")
-    robot = _connected(world, execute_s=30.0)
-    world.press("start")
-    assert world.run_until(lambda: robot.tasks, 60)
-    robot.session.set_device("dimmer", 70)
-    robot.session.display_map(True)
-    port = world.box.run_in().port
-    assert world.run_until(lambda: world.box.logged(port, "/rsbb_log/devices/dimmer") == [70], 20)
-    assert world.run_until(lambda: world.box.box.tablet.state.display_map, 20)
-    world.run(5)
-    assert world.box.logged(port, "/rsbb_log/devices/dimmer") == [70]
-
-
 BAD = {"loss": 0.25, "double": 0.3, "late": 0.3, "longest_delay": 0.8}
 EVENT = {"team": "ALL", "timeout": 120.0, "scoring": ()}
 
@@ -247,17 +221,6 @@ def test_all_complete_on_a_bad_link(seed):
         assert_legal(world, member.port, robot)
     world.press("disconnect")
     assert world.run_until(lambda: all(robot.port is None for robot in world.robots), 30)
-
-
-@pytest.mark.parametrize("seed", range(few(3)))
-def test_a_robot_that_crashes_and_returns_starts_again_and_the_others_do_not(seed):
-    world = _world_of_all(seed, TEAMS)
-    run = _started(world)
-    assert world.run_until(lambda: all(robot.tasks for robot in world.robots), 30)
-    world.robots[1].crash()
-    assert world.run_until(lambda: run.phase is Phase.ENDED, 60)
-    assert run.end_reason is EndReason.COMPLETED
-    assert [robot.tasks for robot in world.robots] == [1, 2, 1]
 
 
 @pytest.mark.parametrize("seed", range(few(3)))

@@ -51,13 +51,6 @@ def test_a_run_whose_module_is_gone_is_held_and_its_clocks_stand():
     assert driver.run_in().phase is Phase.RUNNING
 
 
-def test_a_box_that_notices_late_holds_from_when_the_module_was_gone():
-    driver, modules, _ = started()
-    driver.jump(100.0)
-    driver.event(driver.box.timers.tick)
-    assert driver.run_in().clock.left(driver.now) == pytest.approx(598.0)
-
-
 def test_the_same_module_that_was_only_slow_continues():
     driver, modules, robot = started()
     modules.asks(**GOAL)
@@ -91,15 +84,6 @@ def test_the_referee_may_work_while_the_module_is_gone():
     rejoined(driver, modules).beat()
     driver.run(1.0)
     assert driver.run_in().clock.left(driver.now) == pytest.approx(599.0)
-
-
-def test_a_module_that_is_back_while_the_referee_works_does_not_start_the_clock():
-    driver, modules, _ = started()
-    modules.asks(RequestKind.REFEREE, text="Place it")
-    driver.run(3.0)
-    again = rejoined(driver, modules)
-    again.lives(50.0)
-    assert driver.run_in().clock.left(driver.now) == pytest.approx(600.0)
 
 
 def test_a_module_that_has_not_arrived_where_it_was_changes_nothing():
@@ -259,15 +243,3 @@ def test_problems_and_warnings_of_a_zone_replace_those_of_all_zones():
     assert modules.warnings(at(0.5), "HNF", "North") == ["marker lost"]
     assert modules.start_off(at(0.5), "STB", "South") == []
     assert modules.start_off(at(0.5), "STB", "North") == ["North/STB.yaml:2: wrong"]
-
-
-def test_a_run_is_off_by_the_problems_of_its_own_zone_only():
-    driver = BoxDriver(competition(north=[event("HNF")], south=[event("HNF", team="Beta")]))
-    modules = FakeModules(driver, "HNF")
-    modules.infos += (ModuleInfo("HNF", ("north/HNF.yaml:1: wrong",), zone="north"),)
-    modules.beat()
-    driver.connected("north")
-    driver.connected("south", team="Beta", name="r2", host="10.0.0.3")
-    modules.beat()
-    assert "north/HNF.yaml:1: wrong" in driver.off("start", "north")
-    assert driver.off("start", "south") == []

@@ -49,17 +49,6 @@ def states(driver):
 # -- zones ------------------------------------------------------------------------------------------
 
 
-def test_zones_and_events_come_and_go():
-    driver = BoxDriver(competition(tbm=day(), old=["STB"]))
-    driver.command("next")
-    added = event("HNF", run=4, scheduled=UTC0 + 1.5 * HOUR)
-    reload(driver, competition(new=["HOPF"], tbm=[*day()[:2], added, day()[2]]))
-    assert list(driver.box.zones) == ["new", "tbm"]
-    assert codes(driver) == ["HGTKMH", "HWV", "HNF", "HCFGAC"]
-    assert driver.box.zones["tbm"].event.benchmark.code == "HWV"
-    assert [view.zone for view in [driver.view("new"), driver.view("tbm")]] == ["new", "tbm"]
-
-
 def test_a_zone_stays_at_its_event_when_that_moves_in_time():
     driver = BoxDriver(competition(tbm=day()))
     driver.command("next")
@@ -175,15 +164,6 @@ def test_the_event_of_a_run_stays_until_the_run_is_left():
     assert codes(driver) == ["HWV", "HCFGAC"]
     assert driver.box.zones["tbm"].event.run == 2
     assert [record.benchmark for record in driver.box.finished.records()] == ["HGTKMH"]
-
-
-def test_a_completed_run_whose_event_was_removed_skips_no_event():
-    driver = BoxDriver(competition(tbm=day()))
-    robot = driver.executing()
-    reload(driver, competition(tbm=day()[1:]))
-    robot.completes()
-    driver.command("disconnect")
-    assert driver.box.zones["tbm"].event.run == 2
 
 
 def test_results_stay_with_an_event_that_moves_in_time():

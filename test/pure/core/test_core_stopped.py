@@ -125,17 +125,6 @@ def test_a_robot_that_was_stopped_stays_stopped(code, state, last):
         box.command("continue")
 
 
-def test_a_robot_that_stops_after_it_continued_is_not_asked_to_prepare_either():
-    driver, robot, _ = saved_in(TASK, BoxState.WAITING_RESULT)
-    box = NextBox(driver, TASK)
-    box.taken_over(robot).lives(60.0)
-    assert box.sent and set(box.sent) == {BoxState.WAITING_RESULT} and not box.view().warnings
-    robot.says(RobotState.STOP)
-    robot.lives(60.0)
-    assert box.sent[-1] is BoxState.STOP and BoxState.PREPARE not in box.sent
-    assert box.run_in().phase is Phase.RUNNING
-
-
 @pytest.mark.parametrize("code", [TASK, GOALS, ALL])
 def test_a_robot_that_executes_continues(code):
     driver, robot, modules = saved_in(code, BoxState.WAITING_RESULT)
@@ -214,15 +203,6 @@ def test_the_time_of_the_run_counts_while_the_referee_decides_and_that_of_the_go
     box.command("continue")
     modules.lives(left + 1.0, robot)
     assert modules.outcome().kind is OutcomeKind.TIMED_OUT
-
-
-def test_the_limit_ends_a_run_on_which_nobody_decides():
-    driver, robot, _ = saved_in(TASK, BoxState.WAITING_RESULT)
-    box = NextBox(driver, TASK)
-    box.taken_over(robot).says(RobotState.STOP)
-    robot.lives(300.0)
-    assert box.run_in().end_reason is EndReason.TIMEOUT and box.sent[-1] is BoxState.STOP
-    assert not box.view().warnings
 
 
 def test_the_next_restart_knows_that_the_referee_has_not_decided():

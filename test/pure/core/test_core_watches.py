@@ -242,12 +242,6 @@ def test_the_status_says_that_the_box_listens():
     assert document.box_status(driver.box, driver.now) == "OK"
 
 
-def test_a_box_that_need_not_listen_connects_at_once():
-    driver = BoxDriver(settings=Settings(listen_duration=0.0), listening=True)
-    driver.robot().beacon()
-    assert driver.off("connect") == []
-
-
 def test_a_robot_is_reported_when_it_appears():
     driver = BoxDriver()
     driver.taken()

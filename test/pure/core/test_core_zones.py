@@ -5,9 +5,8 @@ from types import SimpleNamespace
 import pytest
 
 from helpers.box_driver import BoxDriver
-from helpers.competition import UTC0, competition, event
+from helpers.competition import competition, event
 from roah_rsbb.core import effects
-from roah_rsbb.core.views import document
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import EndReason, Phase
@@ -91,70 +90,3 @@ def test_two_robots_of_one_team_can_be_in_two_zones():
     assert driver.off("connect", "c") == [
         "Robot r1 of team Alpha is in a run in zone a", "Robot r2 of team Alpha is in a run in zone b"
     ]
-
-
-def test_a_robot_stays_active_while_it_is_heard_on_its_private_channel():
-    driver = BoxDriver()
-    robot = driver.executing()
-    robot.lives(100)
-    assert list(document.robots(driver.box, driver.now)) == ["r1 of team Alpha"]
-    driver.run(31)
-    assert document.robots(driver.box, driver.now) == {}
-
-
-def _week(zones, teams):
-    """A schedule of task benchmarks for 7 days with 8 runs: every zone has its own teams."""
-    codes = ("HGTKMH", "HWV", "HCFGAC")
-    plans = {}
-    for z in range(zones):
-        plans[f"zone{z}"] = [
-            event(codes[(d + n) % 3], team=f"Team{z}.{n % teams}", round=d + 1, run=n + 1,
-                  scheduled=UTC0 + d * 86400 + n * 3600.0)
-            for d in range(7) for n in range(8)
-        ]
-    return competition(teams=[e.team for events in plans.values() for e in events], **plans)
-
-
-@pytest.mark.long
-def test_a_week():
-    """Every robot takes its 600 s in one run of four, which times out; else it completes after 200 s."""
-    config = _week(zones=3, teams=4)
-    driver = BoxDriver(config)
-    ports = set()
-    events_run = {plan.name: [] for plan in config.zones}
-    start = driver.now.utc
-    reasons = []
-    for number in range(7 * 8):
-        zones = {plan.name: plan.events[number] for plan in config.zones}
-        due = next(iter(zones.values())).scheduled
-        driver.run(max(0.0, due - driver.now.utc))
-        robots = {}
-        for i, (zone, planned) in enumerate(zones.items()):
-            assert driver.box.zones[zone].event == planned
-            robots[zone] = driver.connected(zone, team=planned.team, name="r", host=f"10.0.0.{i + 2}")
-            driver.command("start", zone)
-            robots[zone].executes()
-        for robot in robots.values():
-            driver.run(200 / 3)
-            if number % 4 == 3:
-                continue
-            robot.says(notifications=("done",))
-            robot.completes()
-        driver.run(600)
-        for zone, robot in robots.items():
-            reasons.append(driver.run_in(zone).end_reason)
-            ports.add(robot.port)
-            driver.command("disconnect", zone)
-            events_run[zone].append(driver.bags[robot.port])
-            if number % 4 == 3 and not driver.box.zones[zone].at_last:
-                driver.command("next", zone)
-    assert len(ports) == 3 * 7 * 8
-    assert ports == set(range(6667, 6667 + len(ports)))
-    assert reasons.count(EndReason.TIMEOUT) == 3 * 14
-    assert reasons.count(EndReason.COMPLETED) == 3 * 42
-    assert len(driver.taken(effects.TimeoutRung)) == 3 * 14
-    assert driver.now.utc - start > 6 * 86400
-    assert driver.channels == {}
-    for zone in events_run:
-        notified = [sum(topic == "/notification" for topic, _ in bag) for bag in events_run[zone]]
-        assert notified == [0 if number % 4 == 3 else 1 for number in range(7 * 8)]

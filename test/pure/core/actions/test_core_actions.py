@@ -92,13 +92,6 @@ def test_connected():
     }
 
 
-def test_running():
-    driver = BoxDriver()
-    driver.executing()
-    off = _all_off(driver)
-    assert (off["start"], off["stop"], off["disconnect"]) == (["Already started"], [], [])
-
-
 @pytest.mark.parametrize("command", [command for command in COMMANDS if command != "stop"])
 def test_whatever_is_off_is_refused_with_the_same_reasons_and_changes_nothing(command):
     scenes = [BoxDriver(competition(tbm=["HGTKMH"])), BoxDriver(), BoxDriver(), BoxDriver(listening=True)]
@@ -145,16 +138,6 @@ def test_connect_and_start_need_a_skew_below_the_allowed_one(skew, fits):
     else:
         reason, = _refused(driver, "start")
         assert reason.startswith(f"Clock skew of the robot is {skew:+.3f} s, but must be below 0.125 s")
-
-
-def test_the_command_itself_checks_the_skew_not_what_the_button_showed():
-    driver = BoxDriver()
-    robot = driver.robot()
-    robot.beacon(3)
-    assert driver.off("connect") == []
-    robot.skew = 0.5
-    robot.beacon(4)
-    assert "Clock skew" in _refused(driver, "connect")[0]
 
 
 def test_connect_needs_a_robot_that_was_heard_within_the_timeout():
@@ -247,15 +230,6 @@ def test_a_robot_that_does_not_answer_stop_is_the_first_warning_and_the_reason_w
     assert driver.off("stop") == ["The run is over: disconnect to leave it"]
 
 
-@pytest.mark.parametrize("begin", ["connected", "executing"])
-def test_a_robot_need_not_report_stop_before_the_end_of_the_run(begin):
-    driver = BoxDriver()
-    robot = getattr(driver, begin)()
-    robot.says(RobotState.EXECUTING)
-    driver.run(2.0)
-    assert IGNORES_STOP not in driver.view().warnings
-
-
 def test_a_run_by_its_name_is_stopped_and_never_left():
     driver = BoxDriver(competition(tbm=["HGTKMH", "HWV"]))
     robot = driver.connected()
@@ -318,12 +292,6 @@ def test_scores_and_other_calls_need_a_run_in_a_zone():
             driver.event(method, "tbm")
         with pytest.raises(Refused, match="no zone 'tmb': did you mean 'tbm'"):
             driver.event(method, "tmb")
-
-
-def test_a_stop_without_a_run_does_not_ask_for_one():
-    driver = BoxDriver()
-    with pytest.raises(Refused, match="No run is connected, so there is nothing to stop"):
-        driver.event(driver.box.scores.stop, RunName("tbm"))
 
 
 def test_calls_that_make_no_sense_in_a_task_benchmark():

@@ -90,14 +90,6 @@ def test_a_value_that_does_not_fit_is_refused_and_the_module_waits(odd, changed,
     assert modules.outcome() is None
 
 
-def test_no_is_an_answer_that_is_recorded(odd):
-    driver, _ = odd
-    driver.taken()
-    answer(driver, {**ODD_VALUES, "held": False})
-    recorded, = driver.taken(effects.Recorded)[:1]
-    assert recorded.value["held"] is False
-
-
 def test_only_a_choice_has_a_usual_value(odd):
     driver, modules = odd
     assert refusal(driver, {}) == "Did the robot hold it? is missing"

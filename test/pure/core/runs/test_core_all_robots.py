@@ -11,7 +11,6 @@ from helpers.all_robots import (
     connect_all,
     connected,
     counts,
-    live_all,
     robots_of,
     running,
     start_all,
@@ -22,7 +21,6 @@ from helpers.competition import event
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.core.views import document
 from roah_rsbb.model import run_log
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import EndReason
@@ -46,18 +44,6 @@ def test_one_robot_alone_is_all_robots():
     robot, = start_all(driver, connect_all(driver, robots_of(driver, ["Beta"])))
     robot.completes()
     assert driver.run_in().end_reason is EndReason.COMPLETED
-
-
-def test_connect_needs_a_robot():
-    driver = all_robots_box()
-    assert driver.off("connect") == ["No robot is active: no beacon arrives on UDP port 6666"]
-    assert state_lines(driver) == driver.off("connect")
-
-
-def test_robots_that_can_be_connected_are_shown():
-    driver = all_robots_box()
-    robots_of(driver)
-    assert state_lines(driver) == [f"3 robots ready to accept connection: {R1}, {R2}, {R3}"]
 
 
 def test_robots_that_cannot_take_part_are_named_and_do_not_block_others():
@@ -150,32 +136,10 @@ def test_robots_of_one_team_have_channels_and_logs_of_their_own():
     assert driver.logged(6668, run_log.NOTIFICATION) == ["heard it"]
 
 
-def test_other_runs_logs_have_no_robots_name():
-    driver = all_robots_box()
-    driver.connected("other")
-    assert driver.taken(effects.RunOpened) == [effects.RunOpened(6667, "Alpha", 1, 1)]
-
-
 # -- room ---------------------------------------------------------------------------------------------
 
 
 THIRTY = [f"Team{i:02}" for i in range(30)]
-
-
-@pytest.mark.long
-def test_thirty_robots_run_at_once():
-    driver = all_robots_box(teams=["Alpha", *THIRTY], settings=Settings(max_datagram=2000))
-    robots = start_all(driver, connect_all(driver, robots_of(driver, THIRTY)))
-    assert counts(driver) == (0, 30, 0)
-    live_all(driver, robots[5:], 20)  # five die
-    for robot in robots[5:]:
-        robot.completes()
-    assert counts(driver) == (0, 5, 25)
-    assert len(driver.view().warnings) == 5
-    driver.command("stop")
-    assert driver.run_in().desc == "Benchmark stopped by the referee (25 completed, 5 stopped by the referee)"
-    driver.command("disconnect")
-    assert driver.channels == {}
 
 
 def test_robots_that_the_beacon_has_no_room_for_refuse_connect_with_how_many_fit():
@@ -282,16 +246,6 @@ def test_log_and_online_data_of_all_are_shown_with_the_robots_names():
     assert view.log.count("Started with 3 of 3 robots") == 1
 
 
-def test_notices_name_robot_and_zone():
-    driver, robots = running()
-    driver.taken()
-    driver.run(4)
-    notices = driver.taken(effects.Notice)
-    assert {(n.text, n.zone) for n in notices} == {
-        (f"{name}: No message from the robot for 3 s", "tbm") for name in (R1, R2, R3)
-    }
-
-
 def test_the_score_sheet_is_the_runs_and_every_robots_log_has_it():
     scored = event("HSUF", team="ALL", timeout=120.0)
     driver, robots = connected(scored)
@@ -307,16 +261,6 @@ def test_the_score_sheet_is_the_runs_and_every_robots_log_has_it():
         driver.score("Nothing", "bumps", 2)
 
 
-def test_device_commands_are_ignored_and_said_once_a_robot():
-    driver, robots = running()
-    driver.taken()
-    for _ in range(3):
-        robots[1].says(switch_1=True)
-    warnings = driver.notices(Level.WARNING)
-    assert len(warnings) == 1
-    assert warnings[0].startswith(R2)
-
-
 def test_a_step_of_the_boxs_clock_makes_all_skews_be_measured_again():
     driver, robots = connected()
     driver.set_clock(100)
@@ -325,8 +269,3 @@ def test_a_step_of_the_boxs_clock_makes_all_skews_be_measured_again():
     for robot in robots:
         robot.says()
     assert driver.off("start") == []
-
-
-def test_it_is_in_the_publics_schedule():
-    driver, _ = connected()
-    assert [line.running for line in document.coming_events(driver.box)] == [True, False]

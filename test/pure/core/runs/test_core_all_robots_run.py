@@ -20,7 +20,6 @@ from helpers.all_robots import (
     start_all,
     state_lines,
 )
-from helpers.competition import event
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.runs.all_robots import SETTLE_S
@@ -102,17 +101,6 @@ def test_a_robot_that_joins_late_has_the_same_clock():
     driver.run(deadline - driver.now.mono)
     assert ends(driver) == [EndReason.COMPLETED, EndReason.COMPLETED, EndReason.TIMEOUT]
     assert driver.run_in().end_reason is EndReason.TIMEOUT
-
-
-def test_a_robot_out_of_skew_blocks_no_other_robot():
-    driver, robots = connected()
-    robots[1].skew = 0.5
-    live_all(driver, robots, 4)
-    assert driver.off("start") == []
-    warnings = driver.view().warnings
-    assert warnings == (f"{R2}: will be left out until it is ready: {SKEW}",)
-    driver.command("start")
-    assert box_states(driver, robots) == [BoxState.PREPARE, BoxState.STOP, BoxState.PREPARE]
 
 
 def test_without_a_ready_robot_the_run_does_not_start():
@@ -203,17 +191,6 @@ def test_a_robot_that_dies_does_not_end_the_run_of_the_others():
     assert ends(driver) == [EndReason.TIMEOUT, EndReason.COMPLETED, EndReason.COMPLETED]
 
 
-def test_a_robot_that_is_switched_on_again_starts_from_the_beginning():
-    driver, robots = running()
-    live_all(driver, robots[1:], 10)
-    robots[0].says(RobotState.STOP)
-    assert box_states(driver, robots) == [BoxState.PREPARE, BoxState.WAITING_RESULT, BoxState.WAITING_RESULT]
-    robots[0].executes()
-    for robot in robots:
-        robot.completes()
-    assert driver.run_in().end_reason is EndReason.COMPLETED
-
-
 def test_a_robot_that_saves_nothing_ends_only_itself():
     driver, robots = running()
     robots[1].saved = 0
@@ -249,19 +226,6 @@ def test_of_saving_and_timeout_the_first_that_was_due_counts():
     driver.event(driver.box.timers.tick)
     assert ends(driver) == [EndReason.NO_MESSAGES_SAVED, EndReason.TIMEOUT, EndReason.TIMEOUT]
     assert driver.run_in().end_reason is EndReason.TIMEOUT
-
-
-def test_a_robot_left_out_does_not_keep_the_run_from_its_end():
-    driver = all_robots_box()
-    robots = listed(driver, robots_of(driver))
-    live_all(driver, robots[:2], 4)
-    driver.command("start")
-    for robot in robots[:2]:
-        robot.executes()
-        robot.completes()
-    assert driver.run_in().end_reason is EndReason.COMPLETED
-    robots[2].says(RobotState.STOP)
-    assert box_states(driver, robots) == [BoxState.STOP] * 3
 
 
 @pytest.mark.parametrize("reached", [None, *RobotState])
@@ -350,11 +314,3 @@ def test_disconnect_stops_all_robots_and_closes_all_channels():
     assert driver.box.beacon().robots == ()
     assert (driver.channels, driver.run_in(), driver.box.timers.deadline()) == ({}, None, None)
     assert "Disconnected" in driver.view().log  # of the last run
-
-
-def test_after_a_completed_run_the_next_event_follows():
-    driver, robots = running(event("HWV"))
-    for robot in robots:
-        robot.completes()
-    driver.command("disconnect")
-    assert driver.view().event.code == "HWV"

@@ -79,22 +79,6 @@ def test_a_run_by_hand_follows_the_rules():
     assert [(p.name, p.elapsed_s) for p in last_record(driver).phases] == [("A", pytest.approx(21.0)), ("B", 0.0)]
 
 
-def test_two_runs_by_hand_have_two_identities():
-    driver = BoxDriver(competition(a=["HGTKMH"], b=["HGTKMH"]))
-    driver.command("open_sheet", "a")
-    driver.command("open_sheet", "b")
-    assert driver.run_in("a").identity != driver.run_in("b").identity
-
-
-def test_a_robot_that_appears_later_does_not_join():
-    driver = BoxDriver(competition(**TWO))
-    driver.command("open_sheet")
-    driver.robot().beacon()
-    assert driver.off("connect") == ["Already connected"]
-    with pytest.raises(Refused, match="disconnect it first"):
-        driver.command("open_sheet")
-
-
 def test_the_public_sees_the_team_of_a_run_by_hand():
     driver = BoxDriver(competition(**TWO))
     driver.command("open_sheet")
@@ -175,12 +159,6 @@ def test_the_referee_chooses_one_of_several_robots():
     assert driver.view().robots_to_choose == ()
     recorded, = driver.taken(effects.Recorded)
     assert recorded.value == {"command": "connect", "robot": "r2"}
-
-
-def test_without_a_choice_the_first_robot_connects():
-    driver = two_robots()
-    driver.command("connect")
-    assert driver.run_in().robot == ("Alpha", "r1")
 
 
 def test_a_robot_that_does_not_exist_is_refused():

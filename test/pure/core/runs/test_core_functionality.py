@@ -4,8 +4,6 @@ import json
 
 import pytest
 
-from helpers.box_driver import BoxDriver
-from helpers.competition import competition, event
 from helpers.forms import answer_in, form
 from helpers.module_player import does_goal, functionality, started
 from roah_rsbb.bmbox.framework.results import MAX_RESULT, BadResult, read_record
@@ -39,13 +37,6 @@ def test_a_module_that_is_not_there_keeps_start_off_and_connect_on():
     driver.command("disconnect")
     robot.beacon()
     assert driver.off("connect") == []
-
-
-def test_what_is_wrong_with_a_module_keeps_start_off():
-    driver, modules, _ = functionality()
-    modules.infos = (modules.infos[0]._replace(problems=("HNF.yaml:3: found x; expected y", "no frame map")),)
-    modules.beat()
-    assert driver.off("start") == ["HNF.yaml:3: found x; expected y", "no frame map"]
 
 
 def test_a_whole_run_with_waypoints_and_manual_operations():
@@ -97,17 +88,6 @@ def test_without_an_explicit_goal_the_robot_only_executes():
     assert modules.outcome().result == "{class: a}"
     assert driver.logged(robot.port, run_log.HOPF_RESULT, run_log.RESULT) == ["{class: a}"] * 2
     assert BoxState.GOAL_TX not in sent(driver, robot)
-
-
-def test_a_result_of_2015_reaches_the_module_as_yaml():
-    _, modules, robot = started("HOPF")
-    modules.asks()
-    does_goal(
-        robot, object_class="mug", object_name="blue mug", object_pose_x=0.5, object_pose_y=-1.0, object_pose_theta=3.0
-    )
-    assert json.loads(modules.outcome().result) == {
-        "class": "mug", "instance": "blue mug", "x": 0.5, "y": -1.0, "theta": 3.0
-    }
 
 
 @pytest.mark.parametrize("result", [{"generic_result": "[" * 60_000}, {"object_class": "m" * 60_000}])
@@ -349,13 +329,6 @@ def test_the_referee_sees_the_limit_that_applies():
     assert driver.view().timeout == 120.0, "without a timeout the goal may last as long as the run"
 
 
-def test_the_limit_of_a_task_is_the_limit_of_its_run():
-    driver = BoxDriver(competition(tbm=[event("HGTKMH", timeout=300.0, total_timeout=420.0)]))
-    assert driver.view().timeout == driver.view().timer == 420.0
-    driver.executing()
-    assert driver.view().timeout == 420.0
-
-
 @pytest.mark.parametrize("states, executing", [
     ((), 0.0), ((RobotState.PREPARING,), 0.0), ((RobotState.PREPARING, RobotState.WAITING_GOAL), 30.0),
     ((RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING), 30.0),
@@ -394,15 +367,6 @@ def test_a_goals_timeout_that_is_noticed_late_counts_from_when_it_was_due():
     assert (outcome.ended_utc, outcome.executing_s) == (pytest.approx(due, abs=0.01), pytest.approx(29.998))
 
 
-def test_a_goal_without_a_timeout_ends_with_the_run_only():
-    driver, modules, robot = started(total=60.0)
-    modules.asks(**WAYPOINT)
-    modules.lives(59.0, robot)
-    assert driver.view().timer == pytest.approx(1.0)
-    modules.lives(1.1, robot)
-    assert driver.run_in().end_reason is EndReason.TIMEOUT
-
-
 def test_the_total_timeout_ends_the_run_and_rings():
     driver, modules, robot = started(total=60.0)
     modules.asks(timeout=120.0, **WAYPOINT)
@@ -425,16 +389,6 @@ def test_a_goal_that_ends_with_the_run_is_over_first_and_one_that_ends_later_is_
     outcome = modules.outcome()
     assert (None if outcome is None else outcome.kind) is (OutcomeKind.TIMED_OUT if is_over else None)
     assert driver.run_in().end_reason is EndReason.TIMEOUT, "that was due before the module was gone"
-
-
-def test_a_robot_that_saves_nothing_is_stopped_here_too():
-    driver, modules, robot = started()
-    modules.asks(**WAYPOINT)
-    robot.saved = 0
-    robot.executes()
-    modules.lives(5.1, robot)
-    assert driver.run_in().end_reason is EndReason.NO_MESSAGES_SAVED
-    assert modules.run().end_reason == "no_messages_saved"
 
 
 # -- stop and start again ---------------------------------------------------------------------------

@@ -78,24 +78,6 @@ def test_a_result_counts_until_the_deadline_also_without_a_tick_between(late, en
     assert driver.taken(effects.TimeoutRung) == [effects.TimeoutRung("tbm")] * (end is EndReason.TIMEOUT)
 
 
-def test_a_run_that_waits_for_its_start_has_no_timeout():
-    driver = _minute()
-    robot = driver.connected()
-    robot.lives(1000)
-    assert driver.run_in().phase is Phase.CONNECTED
-    assert driver.run_in().timer(driver.now) == 60.0
-
-
-def test_the_total_timeout_ends_a_run():
-    driver = BoxDriver(competition(tbm=[event(timeout=10.0, total_timeout=30.0)]))
-    driver.connected()
-    driver.command("start")
-    driver.run(29.9)
-    assert ended(driver) is None
-    driver.run(0.2)
-    assert ended(driver) is EndReason.TIMEOUT
-
-
 def test_after_a_timeout_only_a_new_run_is_possible():
     driver = _minute()
     robot = driver.executing()
@@ -128,21 +110,6 @@ def test_a_stopped_run_continues_and_its_clock_kept_running():
     robot.executes()
     robot.lives(26)
     assert ended(driver) is EndReason.TIMEOUT
-
-
-def test_a_run_can_be_stopped_and_started_again_and_again():
-    driver = _minute()
-    robot = driver.connected()
-    for _ in range(5):
-        driver.command("start")
-        robot.executes()
-        driver.command("stop")
-        robot.says(RobotState.STOP)
-    driver.command("start")
-    robot.executes()
-    robot.completes()
-    assert ended(driver) is EndReason.COMPLETED
-    assert driver.logged(robot.port, run_log.STATE) == [0, *[1, 3, 0] * 6]
 
 
 def test_a_run_that_was_stopped_is_not_started_after_its_time():
@@ -269,26 +236,6 @@ def test_every_string_is_logged_once():
     assert driver.logged(robot.port, "/notification") == ["ring", "deli", "deli"]
 
 
-def test_the_same_text_in_two_fields_is_logged_in_both():
-    driver = BoxDriver(competition(tbm=["HWV"]))
-    robot = driver.executing()
-    robot.says(activation_event=("x",), visitor=("x",), final_command=("x",))
-    assert [driver.logged(robot.port, t) for t in ("/activation_event", "/visitor", "/command", "/notification")] == [
-        ["x"], ["x"], ["x"], []
-    ]
-    lines = [line.split(" ", 1)[1] for line in driver.view().online_data.splitlines()]
-    assert lines == ["activation_event: x", "visitor: x", "final_command: x"]
-
-
-def test_a_new_run_accepts_repeated_strings():
-    driver = BoxDriver(competition(tbm=["HWV"]), Settings(auto_next=False))
-    for _ in range(2):
-        robot = driver.connected()
-        robot.says(notifications=("ring",))
-        assert driver.logged(robot.port, "/notification") == ["ring"]
-        driver.command("disconnect")
-
-
 def test_the_panels_texts_are_bounded():
     driver = BoxDriver(settings=Settings(display_log_size=500))
     robot = driver.executing()
@@ -357,15 +304,6 @@ def test_a_robot_that_saves_nothing_is_stopped_also_while_it_talks():
     assert ended(driver) is EndReason.NO_MESSAGES_SAVED
 
 
-def test_a_robot_that_saves_in_time_continues():
-    driver, robot = _executing()
-    robot.lives(4)
-    robot.saved = 1
-    robot.says(after=0.9)
-    robot.lives(60)
-    assert ended(driver) is None
-
-
 @pytest.mark.parametrize("state", [RobotState.PREPARING, RobotState.STOP, RobotState.EXECUTING])
 def test_only_a_robot_that_executes_must_save(state):
     driver = BoxDriver()
@@ -424,10 +362,3 @@ def test_of_two_time_outs_the_first_counts_even_if_the_box_was_ticked_late(timeo
     driver.event(driver.box.timers.tick)
     assert ended(driver) is reason
     assert bool(driver.taken(effects.TimeoutRung)) is (reason is EndReason.TIMEOUT)
-
-
-def test_the_count_is_shown():
-    driver, robot = _executing(saved=7)
-    assert "Messages saved: 7" in driver.view().state
-    robot.says(messages_saved=2**32 - 1)
-    assert f"Messages saved: {2**32 - 1}" in driver.view().state

@@ -6,7 +6,6 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import UTC0, competition, event
 from helpers.module_player import FakeModules
 from roah_rsbb.core import effects
-from roah_rsbb.core.actions.table import Target
 from roah_rsbb.model import run_log
 from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.model.reason import Refused
@@ -44,17 +43,6 @@ def test_a_run_without_a_limit_ends_by_the_robot_only():
     assert driver.run_in().end_reason is EndReason.COMPLETED
     driver.command("disconnect")
     assert started.records()[0].elapsed_s == pytest.approx(100.0, abs=0.5)
-
-
-def test_a_run_without_a_limit_stops_and_continues():
-    driver = box_with(timeout=NO_LIMIT)
-    robot = driver.executing()
-    robot.lives(10)
-    driver.command("stop")
-    robot.says(RobotState.STOP)
-    robot.lives(5)
-    driver.command("start")
-    assert clock(driver).elapsed == pytest.approx(15.0, abs=0.5)
 
 
 def test_goals_without_a_limit():
@@ -204,20 +192,6 @@ def test_a_pause_stops_the_clock_and_not_the_robot():
     assert driver.run_in().end_reason is EndReason.TIMEOUT
 
 
-def test_the_robot_may_complete_its_task_in_a_pause():
-    driver = box_with(pause=True)
-    robot = driver.executing()
-    robot.lives(20)
-    driver.command("pause")
-    robot.lives(10)
-    robot.completes()
-    assert driver.run_in().book.state.elapsed_s == pytest.approx(20.0, abs=0.5)
-    assert driver.off("resume") == ["The clock is not paused"]
-    robot.says(RobotState.STOP)
-    driver.command("start")
-    assert clock(driver).counting
-
-
 def started_hnf():
     """A running benchmark whose runs may be paused, and its module."""
     driver = BoxDriver(competition(tbm=[event("HNF", timeout=60.0, total_timeout=600.0, rules=EventRules(pause=True))]))
@@ -240,16 +214,6 @@ def test_a_pause_also_pauses_the_goal():
     assert clock(driver).elapsed == pytest.approx(0.0, abs=0.1)
     driver.command("resume")
     assert clock(driver).goal_counting and clock(driver).counting
-
-
-def test_a_manual_operation_in_a_pause_ends_without_ending_the_pause():
-    driver, modules = started_hnf()
-    modules.asks(RequestKind.REFEREE, text="Place it")
-    driver.command("pause")
-    driver.event(driver.box.act, Target("tbm"), "operation")
-    assert clock(driver).paused == "by the referee"
-    driver.command("resume")
-    assert clock(driver).counting
 
 
 @pytest.mark.parametrize("command", ["pause", "resume", "next_phase", "previous_phase"])

@@ -73,14 +73,6 @@ def test_a_run_from_connect_to_its_end():
     assert (run.phase, run.elapsed.counting, run.end_reason) == ("ended", False, "stopped")
 
 
-def test_how_a_run_ended_is_published_only_if_allowed():
-    driver = BoxDriver()
-    driver.executing()
-    driver.command("stop")
-    assert [_run(driver, results).end_reason for results in (NONE, OUTCOMES, SCORES)] == [
-        "", "stopped", "stopped"]
-
-
 def test_the_time_of_the_whole_run_counts_and_pauses_during_a_manual_operation():
     driver, modules, robot = started()
     modules.asks(goal="[1, 2, 3]", timeout=5.0)
@@ -119,13 +111,6 @@ def test_what_follows_is_sorted_over_all_zones_and_is_not_what_runs():
     robot.completes()
     driver.command("disconnect")
     assert _following(driver) == [other, second]
-
-
-def test_the_last_event_of_a_zone_comes_no_more_once_it_was_completed():
-    driver = BoxDriver()
-    driver.executing().completes()
-    driver.command("disconnect")
-    assert _following(driver) == []
 
 
 def test_the_list_of_next_events_is_bounded():
@@ -344,11 +329,3 @@ def test_what_a_benchmark_is_about():
     driver = BoxDriver(competition(tbm=[replace(line, benchmark=replace(line.benchmark, about=about))]))
     driver.connected()
     assert explained(driver).about == dict(about)
-
-
-@pytest.mark.parametrize("results", [NONE, OUTCOMES])
-def test_a_task_has_no_goals(results):
-    driver = BoxDriver()
-    driver.executing()
-    found = explained(driver, results)
-    assert (found.goals, found.goals_ended, found.goals_completed or 0) == (0, 0, 0)

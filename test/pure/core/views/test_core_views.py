@@ -15,14 +15,6 @@ from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, EventRules, ZonePlan
 
 
-def test_a_zone_without_a_robot():
-    driver = BoxDriver(competition(tbm=[event(timeout=60.0)]))
-    view = driver.view()
-    assert (view.zone, view.phase, view.timer, view.items, view.log) == ("tbm", "idle", 60.0, (), "")
-    assert (view.identity, view.end_reason, view.robot, view.all_robots) == ("", "", None, None)
-    assert view.state == "No robot of team Alpha is active: none of its beacons arrives on UDP port 6666"
-
-
 def test_the_state_text_of_a_run_from_beginning_to_end():
     driver = BoxDriver(competition(tbm=[event(timeout=60.0)]))
     states, phases = [], []
@@ -63,13 +55,6 @@ def test_the_state_text_of_a_run_from_beginning_to_end():
         "START would continue the run: its next end would count instead of this one\nMessages saved: 1",
     ]
     assert phases == ["idle", "connected", "connected", "running", "running", "ended", "ended", "ended"]
-
-
-def test_the_state_text_after_a_timeout():
-    driver = BoxDriver(competition(tbm=[event(timeout=10.0)]))
-    robot = driver.executing()
-    robot.lives(10)
-    assert driver.view().state == "Stopped due to timeout\nMessages saved: 1"
 
 
 def test_a_view_says_why_each_button_is_off():
@@ -248,11 +233,6 @@ def test_the_score_of_the_attempt_before_is_not_shown_beside_a_run():
     assert (again.state, again.identity, again.score) == ("running", first.identity, "")
 
 
-def test_all_zones_are_sorted_by_time():
-    driver = BoxDriver(competition(tbm=day(20, 40), other=day(10, 30)))
-    assert [line.zone for line in schedule(driver.box, driver.now)] == ["other", "tbm", "other", "tbm"]
-
-
 # -- estimated times --------------------------------------------------------------------------------
 
 
@@ -305,13 +285,6 @@ def test_a_run_delays_by_when_it_began_and_by_its_length():
     assert minutes(driver)[1:] == [28, 43], "it takes longer than its slot: the next one begins now, for all we know"
 
 
-def test_zones_do_not_delay_each_other():
-    driver = BoxDriver(competition(tbm=day(0, 15), other=day(60, 75)))
-    at(driver, 20)
-    assert minutes(driver) == [20, 35]
-    assert minutes(driver, "other") == [60, 75]
-
-
 def test_estimates_change_once_a_minute():
     driver = BoxDriver(competition(tbm=day(0, 15, 30)))
     at(driver, 20.1)
@@ -328,16 +301,6 @@ def test_a_delay_over_midnight():
     driver = BoxDriver(competition(tbm=events))
     driver.run(midnight - 2 * MINUTE - driver.now.utc)
     assert [round((line.begins - midnight) / MINUTE) for line in lines(driver)] == [-2, 13, 28]
-
-
-def test_twenty_zones_with_many_events_and_a_schedule_that_is_long_over():
-    zones = {f"zone {number}": day(*range(0, 10 * 15, 15)) for number in range(20)}
-    driver = BoxDriver(competition(**zones))
-    driver.run(10 * 365 * 86400.0)
-    found = schedule(driver.box, driver.now)
-    assert len(found) == 200
-    assert {line.state.value for line in found} == {"next", "later"}
-    assert min(line.begins for line in found) >= driver.now.utc
 
 
 # -- the choice of an event -------------------------------------------------------------------------
