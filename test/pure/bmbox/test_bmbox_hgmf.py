@@ -121,16 +121,6 @@ def test_a_target_keeps_away_from_the_object_in_the_tables_frame():
         assert math.hypot(x - along, y - 0.25) >= 0.05 - 1e-9
 
 
-def test_it_is_looked_at_ten_times_a_second():
-    r = hgmf()
-    r.answer()
-    looks = []
-    r.module.peek = lambda subject: looks.append(subject) or HERE
-    r.executes(10.0, 0.0125)
-    assert len(looks) == pytest.approx(100, abs=1)
-    assert set(looks) == {"object"}
-
-
 def test_a_short_lift_is_seen():
     r = hgmf()
     r.answer()
@@ -180,16 +170,6 @@ def test_an_object_lost_at_the_end_is_asked_for_or_skipped():
     errors = r.score.each("distance_error")
     assert errors[0] >= 0.05 and errors[1] is None
     assert r.score["distance_error"] == errors[0]
-
-
-def test_a_timeout_in_prepare_and_all_timed_out():
-    r = hgmf("cup", "box")
-    for seconds in (0.0, 100.0):
-        r.answer()
-        puts(r, x_off=0.2)
-        r.time_out(seconds)
-    assert (r.finished, r.score["grasped"], r.score["execution_time"]) == (True, 0, 100.0)
-    assert r.score["distance_error"] == pytest.approx(0.2)
 
 
 def test_another_run_has_another_order():

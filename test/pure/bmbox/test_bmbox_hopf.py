@@ -47,20 +47,6 @@ def result(class_="mugs", instance="red", x=0.5, y=0.25, theta=0.0):
     return f"{{class: {class_}, instance: {instance}, x: {x}, y: {y}, theta: {theta}}}"
 
 
-def test_the_steps_of_a_goal():
-    r = hopf()
-    assert r.asked.text == "Place the positioner and the item on the table: thing 1 (item 1)"
-    r.answer()
-    assert r.asked.text == "Remove the positioner. Leave the item in place"
-    assert [step.request.kind for step in r.run.steps] == [
-        RequestKind.REFEREE, RequestKind.NOTE, RequestKind.NOTE, RequestKind.REFEREE
-    ]
-    r.answer()
-    assert (r.asked.goal, r.asked.pose, r.asked.timeout) == ("", None, 120.0)
-    r.result(result(), 10.0)
-    assert r.finished
-
-
 @pytest.mark.parametrize("far, turned, score", [
     (0.0, 0.0, 1.0),
     (0.2, 0.0, 0.9),  # 1 - 0.2/2
@@ -150,14 +136,6 @@ def test_goals_that_were_not_reached_have_no_result():
     r.end("timeout")
     # One of four, although only one was tried.
     assert (r.score["class_accuracy"], r.score["pose_score"]) == (0.25, 0.25)
-
-
-def test_a_timeout_in_prepare():
-    r = hopf()
-    to_goal(r)
-    r.time_out(0.0)
-    assert (r.finished, r.score["execution_time"], r.score["pose_score"], r.module.warnings) == (True, 0.0, 0.0, [])
-    assert r.score["goal 1", "distance_error"] is None
 
 
 @pytest.mark.parametrize("text, scores, warned", [

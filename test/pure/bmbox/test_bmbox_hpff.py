@@ -114,16 +114,6 @@ def test_two_samples_a_second_from_the_eighth_second_on():
     assert r.score["samples"] == 25  # 8.0, 8.5, … 20.0
 
 
-def test_less_than_half_of_the_samples_is_unreliable():
-    r = hpff()
-    r.executes(8.125, STEP)
-    r.truth.subjects["robot"] = None
-    r.executes(1.0, STEP)
-    times_out(r)
-    assert r.score["reliability"] == pytest.approx(1 / 3)
-    assert r.module.warnings == ["unreliable: only 33% of the samples have the poses of both robot and person"]
-
-
 def test_no_samples_at_all():
     r = hpff()
     times_out(r)  # in PREPARE
@@ -173,17 +163,6 @@ def test_a_run_that_ends_otherwise_is_judged_by_its_length(reason, elapsed, fail
 def test_limits_that_leave_nothing_between_them_are_reported():
     assert "no distance can be scored" in hpff(minimum_distance=3.5).module.warnings[0]
     assert hpff(minimum_distance=3.4).module.warnings == []
-
-
-def test_sums_survive_a_restart():
-    r = hpff(robot=Pose3(0.0, 0.0, 0.0, 0.0), person=Pose3(1.5, 0.0, 0.0, 0.0))
-    r.executes(9.125, STEP)  # 8.0, 8.5, 9.0: 0.5 m from the desired distance each
-    r.restart()
-    r.truth.subjects["robot"] = Pose3(0.5, 0.0, 0.0, 0.0)
-    r.executes(0.125, STEP)  # it looks at once: 1.0 m from the desired distance, and 0.5 m of way
-    assert r.score["samples"] == 4
-    assert r.score["mean_deviation"] == pytest.approx((3 * 0.5 + 1.0) / 4)
-    assert r.score["distance_covered"] == pytest.approx(0.5)
 
 
 def test_a_stop_right_after_a_restart_loses_nothing():

@@ -133,11 +133,6 @@ def test_a_pose_lost_at_the_result_is_asked_for_and_not_invented(lost_at_the_res
     assert (r.finished, r.score["distance_error"]) == (True, 1.0)
 
 
-def test_a_pose_lost_at_the_result_may_be_skipped(lost_at_the_result):
-    lost_at_the_result.answer("Skip")
-    assert (lost_at_the_result.finished, lost_at_the_result.score["distance_error"]) == (True, None)
-
-
 def test_a_pose_that_stays_lost_may_be_skipped(lost_at_the_result):
     r = lost_at_the_result
     r.truth.subjects["person"] = None
@@ -145,17 +140,6 @@ def test_a_pose_that_stays_lost_may_be_skipped(lost_at_the_result):
     assert r.asked.form == form("Try again", "Skip")
     r.answer("Skip")
     assert (r.finished, r.score["distance_error"]) == (True, None)
-
-
-def test_a_timeout_in_prepare_and_all_timed_out():
-    r = hppf("Annie", "PostMan")
-    for seconds in (0.0, 100.0):
-        r.answer()
-        r.time_out(seconds)
-    s = r.score
-    assert (r.finished, s["detected"], s["recognised"], s["distance_error"], s["execution_time"]) == (
-        True, 0, 0, None, 100.0)
-    assert r.module.warnings == []
 
 
 @pytest.mark.parametrize("text, detected, recognised, error", [
@@ -168,15 +152,6 @@ def test_what_can_be_read_of_a_result_counts(text, detected, recognised, error):
     s = r.score
     assert (r.finished, s["detected"], s["recognised"], s["distance_error"]) == (True, detected, recognised, error)
     assert s["execution_time"] == 3.0 and r.module.warnings
-
-
-def test_a_result_that_names_somebody_of_before_is_wrong():
-    r = hppf("Annie", "PostMan")
-    before = entering(r)
-    for _ in range(2):
-        r.answer()
-        r.result(result(before), 1.0)
-    assert r.score.each("recognised") == [True, False]
 
 
 def test_places_beyond_all_measure_break_nothing():

@@ -8,7 +8,6 @@ from helpers.competition import run_record
 from helpers.journals import UTC0, Writer, spoil
 from roah_rsbb.journal.contents import BoxEpoch, open_journal, superseded_value
 from roah_rsbb.journal.epochs import hand_over, raise_epoch, standing_in
-from roah_rsbb.journal.log_dir import read_previous_session
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.journal.records import Kind
 
@@ -84,13 +83,6 @@ def test_a_standing_that_changes_while_it_is_looked_at(box):
     content = segment.read_bytes()
     segment.write_bytes(content[:content.index(b'{"superseded_by"')])  # an earlier copy in its place
     assert standing_in(box.path) == BoxEpoch(1)
-
-
-def test_a_takeover_does_not_change_when_the_core_ended(box):
-    """The runs continue by the clock of the core before."""
-    before = read_previous_session(open_journal(box.path))[0].last
-    raise_epoch(box.path, UTC0 + 5000.0, "second")
-    assert read_previous_session(open_journal(box.path))[0].last == before
 
 
 def test_a_superseded_box(box):

@@ -106,16 +106,6 @@ def test_a_journal_with_several_segments_is_copied_in_parts(copied, small_parts)
     assert len(segments_in(copied.stick)) == 4
 
 
-def test_a_segment_that_begins_while_the_copy_is_kept(copied):
-    for number in range(3):
-        copied.writer.entry("/notification", number)
-        assert copied.step()
-        copied.restart_box()
-        copied.writer.entry("/notification", number)
-        assert copied.step()
-    assert len(segments_in(copied.stick)) == 4
-
-
 @pytest.mark.parametrize("count", range(1, 12))
 def test_an_interrupted_copy_is_an_earlier_state(copied, monkeypatch, small_parts, count):
     """A segment is complete before the next one begins, and none has a name before it has its summary."""

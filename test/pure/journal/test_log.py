@@ -80,17 +80,6 @@ def test_records_are_read_back_from_all_segments(folder):
     assert [name.number for name in logs.names_in(str(folder))] == [1, 2, 3]
 
 
-def test_a_full_segment_is_followed_by_another(folder, monkeypatch):
-    monkeypatch.setattr(logs, "FULL_BYTES", 200)
-    log = begun(folder)
-    for number in range(1, 20):
-        add(log, number)
-        log.sync()
-    log.close()
-    assert found(folder) == (list(range(1, 20)), [], [])
-    assert 3 < len(logs.names_in(str(folder))) < 10
-
-
 def test_what_a_killed_process_did_not_sync_is_copied_and_not_only_sealed(folder):
     """It is in the page cache: a later power cut would take it, and the next segment would say that it is there."""
     log = begun(folder)

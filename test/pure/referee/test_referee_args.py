@@ -49,23 +49,10 @@ def test_a_choice_that_may_be_left_out_is_left_out():
     assert "Kind: late / rude" in command.format_help()
 
 
-def test_who_does_an_action_may_be_named():
-    assert _parse(["pause", "A", "--by", "Anna"]).referee == "Anna"
-
-
-def test_text_is_the_default():
-    assert _parse(["status"]).json is False
-
-
 @pytest.mark.parametrize("value", ["+1", "-1", "-1,5", "-.5", "=-17", "3", "yes"])
 def test_values_with_a_sign_are_values(value):
     options = _parse(["score", "Home A", "2", value])
     assert (options.zone, options.item, options.value) == ("Home A", "2", value)
-
-
-def test_a_negative_value_settles_an_item():
-    options = _parse(["judges", "settle", "Hall", "2", "-3", "--reason", "twice", "--by", "Hugo"])
-    assert (options.action, options.item, options.value, options.run) == ("settle", "2", "-3", None)
 
 
 def test_minutes_with_a_decimal_comma():

@@ -98,11 +98,6 @@ def test_the_states_are_reported_with_what_changed_and_the_boxs_time():
     assert (change.facts["phase"], change.facts["robot_state"]) == ("running", "EXECUTING")
 
 
-def test_the_zone_moves_to_another_event():
-    (kind, _, facts), = _facts(box(zone()), box(zone(event=EVENTS[1])))
-    assert (kind, facts["code"], facts["run"]) == ("event", "HWV", 2)
-
-
 @pytest.mark.parametrize("old, new, facts", [
     (box(robots=(robot("a"),)), box(robots=(robot("b", skew=0.5),)), [
         ("robot", "", {"what": "came", "team": "TestingTeam", "robot": "b", "skew_s": 0.5}),

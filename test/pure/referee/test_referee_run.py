@@ -327,12 +327,6 @@ def test_a_core_that_begins_at_its_first_event_again_is_moved_back(link):
     assert " ".join(link.commands) == f"choose_event {TO_THE_END}"
 
 
-def test_it_connects_the_chosen_robot(link):
-    played(link, COMPLETED)
-    outcome, _ = _run(link, robot="b2")
-    assert (outcome.status, outcome.zone.robot_name) == (Exit.OK, "b2")
-
-
 def test_it_goes_to_an_event_of_a_team(link):
     teams = ("TestingTeam", "TestingTeam", "Beta", "TestingTeam")
     link.events = events = tuple(event._replace(team=team) for event, team in zip(EVENTS, teams))

@@ -65,12 +65,6 @@ def test_a_robot_that_is_silent_was_heard_before():
     assert _zone(robot=ROBOT._replace(heard=False))["last_message_utc_s"] is None
 
 
-def test_unknown_values_are_none():
-    made = as_json(zone_json(zone(), NOW))
-    assert {made[name] for name in ("skew_s", "last_message_utc_s", "operation", "switches", "all_robots")} == {None}
-    assert (made["robot"], made["port"], made["box_state"], made["points"]) == ("", 0, "", "")
-
-
 def test_points_of_the_sheet():
     points = SheetPoints("85", (GroupPoints("Good", "100"), GroupPoints("Bad", "-15")))
     assert _zone(points=points)["points"] == "85 points: Good 100 · Bad -15"
