@@ -35,6 +35,12 @@ def test_a_sheet_without_a_fault():
      "'a' has the total 1, and its rows give at most 16 points"),
     (["item: a, amount: number, from: -2, to: 3, points: -10, total: 0"],
      "'a' has the total 0, and its rows give at most 20 points"),
+    (["item: a, choices: {b: 5, c: -2}, total: 1"], "'a' has the total 1, and its rows give at most 5 points"),
+    (["section: s, total: 0, items: [{item: a, points: 100}, {item: b, percent: 10, times: 2, compounding: yes}]"],
+     "'s' has the total 0, and its rows give at most 121 points"),
+    (["section: s, total: 0, items: [{item: a, points: 100}, {item: b, percent: 10, times: unlimited, "
+      "compounding: yes}]"], "'s' has the total 0, and its rows give any number of points"),
+    (["item: a, points: 5, each: yes, max: 3, total: 1"], "'a' has the total 1, and its rows give at most 3 points"),
     # Rows that never change the points.
     (["section: s, min: 0, items: [{item: a, points: -5}]"], "'s' is always 0 points: its limits leave nothing else"),
     (["item: a, percent: 5", "item: b, points: 1"], "'a' is a percentage of nothing: no row before it gives points"),
@@ -59,8 +65,30 @@ def test_a_fault(rows, found):
     assert _found(*rows) == [found]
 
 
+@pytest.mark.parametrize("rows", [
+    ["item: a", "item: b"],
+    ["item: a, points: 1, times: 3", "item: b, points: 1, needs: {item: a, least: 3}"],
+    ["item: a, points: 1", "item: b, points: 1, needs: a, unless: {item: a, least: 2}"],
+    ["item: a, points: 1", "item: b, points: 1, needs: a, unless: {item: a, each: yes}"],
+    ["item: a, points: 1, needs: {item: b, since: 2}, times: 2", "item: b, points: 1",
+     "item: c, points: 1, needs: a, unless: b"],
+    ["item: a, points: 1, needs: {item: b, since: 2}, times: 2", "item: b, points: 1"],
+])
+def test_no_fault(rows):
+    assert _found(*rows) == []
+
+
+def test_the_time_left_of_a_run_in_which_late_marks_count():
+    head = HEAD.replace("sheet:", "late_marks: count, sheet:")
+    with known({"benchmarks.yaml": head + "{item: a, amount: clock, points: 2, seconds: 7, total: 1}]}"}):
+        found = findings(load_benchmarks("benchmarks.yaml")["Test"].sheet)
+    assert found == ["'a' has the total 1, and its rows give at most 16 points"]
+
+
 @pytest.mark.parametrize("incidents, found", [
     ("restart: {times: 1}", "nothing follows from 'restart'"),
+    ("restart: {below: 1, voids: earlier}, other: {}", "nothing follows from 'other'"),
+    ("restart: {below: 0, net: yes, voids: earlier}, other: {}", "nothing follows from 'other'"),
     ("restart: {below: 0, voids: earlier}", "'restart' is never allowed: no points are less than 0"),
     ("restart: {when: x, unless: x, voids: all}", "'restart' has never an effect: it needs 'x', and must not have it"),
 ])
