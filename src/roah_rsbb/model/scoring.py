@@ -225,7 +225,7 @@ def rows(sheet: Sheet) -> Tuple[ScoringItem, ...]:
 def marked_incidents(sheet: Sheet) -> List[Incident]:
     """Return the incidents that referees mark: not pauses, which the run's clock knows, nor what a choice says."""
     choices = {item.id for item in sheet.items if item.amount is Measure.CHOICE}
-    pauses = {name for incident in sheet.incidents if incident.pauses for name in (incident.name, incident.ends)}
+    pauses = {name for incident in sheet.incidents if incident.pauses for name in (incident.name, *incident.ends)}
     return [incident for incident in sheet.incidents
             if incident.name not in pauses and incident.marks not in choices]
 

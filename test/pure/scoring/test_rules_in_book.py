@@ -158,6 +158,6 @@ def test_a_percentage_of_an_item_that_counts_once_is_one_number():
 
 def test_referees_mark_no_pauses_and_nothing_that_a_choice_says():
     kinds = Item("how", "How they came", amount=Measure.CHOICE)
-    incidents = (Incident("pause", pauses=True, ends="resume"), Incident("resume"), Incident("came", marks="how"),
+    incidents = (Incident("pause", pauses=True, ends=("resume",)), Incident("resume"), Incident("came", marks="how"),
                  Incident("restart"))
     assert [row.desc for row in rows(Sheet((kinds,), incidents)) if row.group == INCIDENTS] == ["restart"]
