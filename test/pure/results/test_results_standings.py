@@ -14,7 +14,7 @@ from roah_rsbb.model.rules import Adjusted, Adjustment, Attempts, AttemptsRule, 
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.results.standing_pages import standing_markup
 from roah_rsbb.results.standings import number_text, public_standings, run_text, standing_lines
-from roah_rsbb.rulebook.benchmarks import CountingAttempt, EventRules, NoShow
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, CountingAttempt, EventRules, NoShow
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.standing_rules import BY_POINTS, Criterion, Rules, StandingRules, Term, read_rules
 from roah_rsbb.scoring.counting import RunChoice, Why, rulings
@@ -119,7 +119,8 @@ def test_a_group_that_the_sheet_lacks_is_reported():
 
 @pytest.mark.parametrize("weight, unit", [(1.0, "s"), (-1.0, "s"), (2.0, "")])
 def test_a_number_has_the_unit_of_its_only_value(weight, unit):
-    record = module_record("A", 1)._replace(module_scores=(ScoreValue("", "time", "5", "s"),))
+    record = module_record("A", 1)._replace(module_scores=(
+        ScoreValue("", "time", "5", "s"), ScoreValue("", "mass", "1", "kg"), ScoreValue("waypoint", "time", "5", "ms")))
     rules = Rules(BEST, (), (Criterion("Time", False, (Term(score="time", weight=weight),)),))
     assert standing("HNF", [record], rules, ALL).units == (unit,)
 
@@ -514,6 +515,17 @@ def test_a_reading_that_was_chosen_is_below_the_standing(tmp_path):
     found = [standings(TWO_DAYS[:1], rules, ALL)[0] for rules in (default, chosen)]
     assert [(table.lines[0].numbers[0], table.remarks) for table in found] == [
         (40, ()), (1, ("Numbers: of the best",))]
+
+
+def test_the_teams_of_a_stage_are_those_that_were_to_run_in_its_tests():
+    records = [pointed("A", 1, "5"), attempt(2, "B", "withdrawn")._replace(started_utc=0.0),
+               attempt(3, "C", "withdrawn")._replace(started_utc=0.0, benchmark="HWV"),
+               pointed("D", 4, "5")._replace(end_reason=""), pointed(ALL_TEAMS, 5, "5")]
+    assert [line.team for line in stage_table([StageColumn("HGTKMH")], records).lines] == ["A", "B"]
+    table = stage_table([StageColumn("HWV"), StageColumn("HGTKMH")], records)
+    assert [line.team for line in table.lines] == ["A", "B", "C"]
+    assert [remark for remark in table.remarks if "gets 0" in remark] == [
+        f"team {team} gets 0 for {code}: none of its runs counts" for team, code in (("C", "HWV"), ("B", "HGTKMH"))]
 
 
 def test_the_runs_of_a_stage_are_those_that_gave_it_its_numbers():
