@@ -7,13 +7,13 @@ questions of `new_competition` that the organiser need not answer again.
 
 import os
 import re
-from typing import Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Collection, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.rulebook.config import BenchmarksFile
-from roah_rsbb.rulebook.errors import Place, Report, listing, quote
+from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, known, listing, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind
-from roah_rsbb.rulebook.standing_rules import OVERALL, STAGES
+from roah_rsbb.rulebook.standing_rules import OVERALL, STAGES, read_rules
 from roah_rsbb.rulebook.yaml_fields import describe, fields, text
 from roah_rsbb.rulebook.yaml_lines import Mapping as MapNode
 from roah_rsbb.rulebook.yaml_lines import Node, Scalar, Unusable, read_yaml
@@ -117,10 +117,60 @@ def benchmarks_text(path: str, content: str, codes: Sequence[str]) -> str:
 
 def standings_text(path: str, content: str, codes: Sequence[str]) -> str:
     """A file with the rules of standings, reduced to these benchmarks; empty without any rules for them."""
-    root = read_yaml(path, Report(), "the rules of the standings", "benchmarks")
-    pairs = root.pairs if isinstance(root, MapNode) else ()
+    content = _without_other_tests(path, content, codes)
+    pairs = _pairs(path, content)
     entries = [(key.place.line, _is_about(key, node, codes)) for key, node in pairs]
     return _reduced(content, entries) if any(kept for _, kept in entries) else ""
+
+
+def _pairs(path: str, content: str) -> Sequence[Tuple[Scalar, Node]]:
+    with known({path: content}):
+        root = read_yaml(path, Report(), "the rules of the standings", "benchmarks")
+    return root.pairs if isinstance(root, MapNode) else ()
+
+
+def _without_other_tests(path: str, content: str, codes: Sequence[str]) -> str:
+    """The text without the lines of stages that are about other tests; unchanged if the rest cannot be read."""
+    lines = re.findall("[^\n]*\n|[^\n]+", content)
+    stages = next((node for key, node in _pairs(path, content) if key.text == STAGES), None)
+    if stages is None:
+        return content
+    for begin, end in reversed(list(_other_tests(stages, codes, lines))):
+        del lines[begin - 1:end]
+    others = set(_named(stages)).difference(codes)
+    shorter = re.sub(r"(?m)^( *ties: )\[(.*)\]\n", lambda found: _without(found, others), "".join(lines))
+    try:
+        with known({path: shorter}):
+            read_rules(path, codes)
+    except ConfigErrors:
+        return content
+    return shorter
+
+
+def _other_tests(node: Node, codes: Sequence[str], lines: Sequence[str]) -> Iterator[Tuple[int, int]]:
+    """The first and last lines of the smallest entries that name other tests and have lines of their own."""
+    for child in _children(node):
+        if not all(code in codes for code in _named(child)):
+            inner = list(_other_tests(child, codes, lines))
+            yield from inner
+            begin = lines[child.place.line - 1][:child.place.column - 1]
+            if not inner and isinstance(node, SequenceNode) and begin.strip() == "-":
+                yield child.place.line, _last_line(child)
+
+
+def _without(ties: "re.Match[str]", others: Collection[str]) -> str:
+    names = [name for name in re.split(", *", ties.group(2)) if name not in others]
+    return f"{ties.group(1)}[{', '.join(names)}]\n" if names else ""
+
+
+def _children(node: Node) -> Sequence[Node]:
+    if isinstance(node, MapNode):
+        return [value for _, value in node.pairs]
+    return node.items if isinstance(node, SequenceNode) else ()
+
+
+def _last_line(node: Node) -> int:
+    return max([node.place.line, *map(_last_line, _children(node))])
 
 
 def _is_about(key: Scalar, node: Node, codes: Sequence[str]) -> bool:
@@ -133,9 +183,8 @@ def _named(node: Node) -> Iterator[str]:
     for key, value in node.pairs if isinstance(node, MapNode) else ():
         if key.text in ("test", "benchmark") and isinstance(value, Scalar):
             yield value.text
-        yield from _named(value)
-    for item in node.items if isinstance(node, SequenceNode) else ():
-        yield from _named(item)
+    for child in _children(node):
+        yield from _named(child)
 
 
 def _code(node: Node) -> Optional[str]:

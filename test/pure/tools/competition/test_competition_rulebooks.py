@@ -3,6 +3,7 @@
 import datetime
 import os
 import pathlib
+import re
 
 import pytest
 import yaml
@@ -175,3 +176,31 @@ def test_a_benchmark_without_a_limit(run, own):
     first, second = load()[0].zones[0].events[:2]
     assert second.scheduled - first.scheduled == 20 * 60
     assert run("new", "--add-team", "Delta", "--time-zone", "UTC")[0] == 0
+
+
+def codes_in(stages):
+    return [column.test for stage in stages for column in stage.of if column.test]
+
+
+@pytest.mark.parametrize("rulebook", [
+    name for name in NAMES if (SHIPPED / "rulebooks" / name / "standings.yaml").exists()])
+def test_a_competition_without_a_test_keeps_the_stages_of_the_others(tmp_path, rulebook):
+    path = SHIPPED / "rulebooks" / rulebook / "standings.yaml"
+    content = path.read_text()
+    all_tests = list(dict.fromkeys(re.findall(r"test: (\w+)", content)))
+    assert rulebooks.standings_text(str(path), content, all_tests) == content
+    whole = read_rules(str(path), all_tests).stages
+    for gone in all_tests:
+        left = [test for test in all_tests if test != gone]
+        (tmp_path / "standings.yaml").write_text(rulebooks.standings_text(str(path), content, left))
+        stages = read_rules(str(tmp_path / "standings.yaml"), left).stages
+        assert [stage.name for stage in stages] == [stage.name for stage in whole]
+        assert codes_in(stages) == [test for test in codes_in(whole) if test != gone]
+        assert not any(gone in stage.ties for stage in stages)
+
+
+def test_stages_that_cannot_be_read_without_a_test_are_left_out(tmp_path):
+    path = tmp_path / "standings.yaml"
+    content = "stages:\n  - name: All\n    of:\n      - { test: T }\nT: { runs: last }\nU: { runs: last }\n"
+    path.write_text(content)
+    assert rulebooks.standings_text(str(path), content, ["U"]) == "U: { runs: last }\n"
