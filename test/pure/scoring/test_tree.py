@@ -140,3 +140,10 @@ def test_steps_of_incidents(happened, step):
                   happened=[Happened(name, Fraction(at_s)) for name, at_s in happened], ended=True)
     assert [text for text in found.steps if not text.startswith("Total")] == ([step] if step else [
         "done (1:30.0): void because of: removed"])
+
+
+@pytest.mark.parametrize("marks, step", [
+    ([mark("done")], "Total: 10"), ([mark("done"), mark("absent")], "Total: 10 − 500 = −490"), ([], "Total: 0"),
+])
+def test_the_last_step_is_the_total(marks, step):
+    assert worth([row("done", 10), row("absent", -500)], *marks).steps[-1] == step
