@@ -252,9 +252,11 @@ def _head(journal: str, as_of_utc: float) -> Dict[str, Any]:
 
 
 def _run_value(result: RunResult) -> Dict[str, Any]:
+    record = result.record
+    given = tuple(item._replace(ratings=ratings(record, item)) for item in record.items)
     return {
-        **_plain(result.record),
-        "state": run_state_text(result.record),
+        **_plain(record._replace(items=given)),
+        "state": run_state_text(record),
         "counts": result.counts,
         "robot_parts": [
             {"port": r.port, "team": r.team, "robot": r.robot, "log_file": r.log_file,

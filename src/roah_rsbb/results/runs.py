@@ -9,7 +9,7 @@ from roah_rsbb.journal.records import ChangesReader
 from roah_rsbb.model import run_log
 from roah_rsbb.model.as_json import BadData, from_json
 from roah_rsbb.model.messages import LinkSample
-from roah_rsbb.model.records import ItemRecord, JudgeSheet, RunRecord, Settlement
+from roah_rsbb.model.records import ItemRecord, JudgeSheet, Rating, RunRecord, Settlement
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.sheets import with_counting
 from roah_rsbb.wording.times import NOTHING, date_time, elapsed
@@ -244,12 +244,12 @@ def submitted(record: RunRecord) -> Tuple[JudgeSheet, ...]:
     return tuple(found) if is_complete else ()
 
 
-def ratings(record: RunRecord, item: ItemRecord) -> Tuple[Tuple[str, str], ...]:
+def ratings(record: RunRecord, item: ItemRecord) -> Tuple[Rating, ...]:
     """Return what each judge gave for an item that judges rate. If they have sheets of their own, what counts in the
     run's sheet may be a settlement instead."""
     if record.form is None or record.form.judges is None:
         return item.ratings
-    return tuple((one.judge, each.text) for one in submitted(record) for each in one.items
+    return tuple(Rating(one.judge, each.text) for one in submitted(record) for each in one.items
                  if each.key == item.key and item.kind == "rating")
 
 

@@ -92,6 +92,8 @@ def test_ratings_are_what_each_judge_gave_also_where_they_were_settled(tmp_path)
         write_table(table, RESULT_COLUMNS, rows, decimal_comma)
         (row, *_) = csv.DictReader(io.StringIO(table.getvalue()), delimiter=separator)
         assert (row["name"], row["ratings"]) == ("show", shown)
+    (run,) = _read(jury, lambda result, _: exported([result], [], "journal", 0.0))["runs"]
+    assert run["items"][0]["ratings"] == [{"judge": "Ann", "text": "7.5"}]
 
 
 @pytest.mark.parametrize("is_anonymous", [False, True])
