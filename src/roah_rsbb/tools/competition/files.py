@@ -16,7 +16,8 @@ from roah_rsbb.bmbox.host.ground_truth_of_frames import FILE_NAME as GROUND_TRUT
 from roah_rsbb.core.connections import PORTS
 from roah_rsbb.rulebook.benchmarks import Benchmark, Durable
 from roah_rsbb.rulebook.config import PasswordsFile, settings_in
-from roah_rsbb.rulebook.errors import Report
+from roah_rsbb.rulebook.decisions import DECISIONS, decided_in
+from roah_rsbb.rulebook.errors import Report, known
 from roah_rsbb.rulebook.event_ids import new_id
 from roah_rsbb.rulebook.registry import BELL, DEVICES, TABLET, BenchmarkKind
 from roah_rsbb.tools.competition.plan import Plan, PlannedRun, PlannedZone, VenueClock
@@ -180,15 +181,28 @@ def new_files(book: Rulebook, plan: Plan, clock: VenueClock, hosts: Hosts) -> Di
     benchmarks = [book.benchmarks[code] for code in codes]
     passwords = {team: new_password() for team in plan.teams}
     standings = standings_text(book.path(STANDINGS), _text(book, STANDINGS), codes)
+    rules = {BENCHMARKS: benchmarks_text(book.path(BENCHMARKS), _text(book, BENCHMARKS), codes),
+             **({STANDINGS: standings} if standings else {})}
     files = {
-        BENCHMARKS: benchmarks_text(book.path(BENCHMARKS), _text(book, BENCHMARKS), codes),
+        **rules,
+        **_decisions(book, rules),
         PASSWORDS: passwords_text(passwords),
         SCHEDULE: schedule_text(_text(book, SCHEDULE), plan.zones, clock),
-        **({STANDINGS: standings} if standings else {}),
         LAUNCH: launch_text(benchmarks, hosts.rsbb, hosts.smartif, bool(standings)),
         FIREWALL: firewall_text(FIREWALL, hosts.interface, RSBB_PORT, needs_tablet(benchmarks)),
     }
     return {**files, **{name: _text(book, name) for name in _module_files(book, plan, benchmarks)}}
+
+
+def _decisions(book: Rulebook, rules: Dict[str, str]) -> Dict[str, str]:
+    """The decisions of a rulebook that has some, reduced to those in these files."""
+    path = book.path(DECISIONS)
+    if not os.path.lexists(path):
+        return {}
+    with known(rules):
+        names = {each.decision.name for name in rules for each in decided_in(Report(), name)}
+    text = standings_text(path, _text(book, DECISIONS), sorted(names))
+    return {DECISIONS: text} if text else {}
 
 
 def _module_files(book: Rulebook, plan: Plan, benchmarks: Sequence[Benchmark]) -> List[str]:

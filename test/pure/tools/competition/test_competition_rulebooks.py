@@ -114,6 +114,16 @@ def test_a_rulebook_of_an_organiser(run, own):
     assert text == BENCHMARKS[:BENCHMARKS.index("# The second")]
 
 
+def test_decisions_of_a_rulebook(run, own):
+    own(benchmarks_yaml=BENCHMARKS.replace("timeout: 1000", "timeout: { decide: Long, yes: 1000, no: 500 }"),
+        decisions_yaml="# Ours.\nLong: no\n")
+    assert run("new", "--rulebook", "own", "--benchmarks", "all", *OPTIONS, *DAYS)[0] == 0
+    assert text_of("new/decisions.yaml") == "# Ours.\nLong: no\n"
+    assert {each.chosen for each in load()[0].decisions} == {"no"}
+    assert run("few", "--rulebook", "own", "--benchmarks", "One", *OPTIONS, *DAYS)[0] == 0
+    assert "decisions.yaml" not in os.listdir("few")
+
+
 def test_the_interval_fits_the_longest_benchmark(run, own):
     own(benchmarks_yaml=BENCHMARKS)
     assert run("new", "--rulebook", "own", "--benchmarks", "all", *OPTIONS, "--days", "2026-11-28")[0] == 0
