@@ -181,13 +181,14 @@ def new_files(book: Rulebook, plan: Plan, clock: VenueClock, hosts: Hosts) -> Di
     benchmarks = [book.benchmarks[code] for code in codes]
     passwords = {team: new_password() for team in plan.teams}
     standings = standings_text(book.path(STANDINGS), _text(book, STANDINGS), codes)
-    rules = {BENCHMARKS: benchmarks_text(book.path(BENCHMARKS), _text(book, BENCHMARKS), codes),
-             **({STANDINGS: standings} if standings else {})}
+    text = benchmarks_text(book.path(BENCHMARKS), _text(book, BENCHMARKS), codes)
+    rules = {STANDINGS: standings} if standings else {}
     files = {
-        **rules,
-        **_decisions(book, rules),
+        BENCHMARKS: text,
         PASSWORDS: passwords_text(passwords),
         SCHEDULE: schedule_text(_text(book, SCHEDULE), plan.zones, clock),
+        **rules,
+        **_decisions(book, {BENCHMARKS: text, **rules}),
         LAUNCH: launch_text(benchmarks, hosts.rsbb, hosts.smartif, bool(standings)),
         FIREWALL: firewall_text(FIREWALL, hosts.interface, RSBB_PORT, needs_tablet(benchmarks)),
     }
