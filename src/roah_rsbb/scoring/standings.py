@@ -298,7 +298,7 @@ def _team_line(team: str, runs: List[RankedRun], attempts: AttemptsRule, criteri
     else:
         numbers = tuple(together(attempts, [_of_run(run, i, c) for run in own]) for i, c in enumerate(criteria))
     charged = [sum((_charged(run.record, criterion) for run in runs), Fraction(0)) for criterion in criteria]
-    numbers = tuple(number if not more else (number or 0) + more for number, more in zip(numbers, charged))
+    numbers = tuple(None if number is None else number + more for number, more in zip(numbers, charged))
     return TeamLine(0, False, team, numbers, disqualified, tuple(runs), counting)
 
 

@@ -517,6 +517,13 @@ def test_a_reading_that_was_chosen_is_below_the_standing(tmp_path):
         (40, ()), (1, ("Numbers: of the best",))]
 
 
+@pytest.mark.parametrize("other", [{}, {"end_reason": "withdrawn", "started_utc": 0.0}])
+def test_a_team_with_another_run_is_named_for_the_one_that_is_not_signed_off(other):
+    records = [pointed("A", 1, "5")._replace(sign_off=SIGNED, **other), pointed("A", 2, "9")]
+    table = stage_table([StageColumn("HGTKMH")], records, choice=RunChoice(signed_off=True))
+    assert "team A has a run of HGTKMH that is not signed off yet: it does not count" in table.remarks
+
+
 def test_the_teams_of_a_stage_are_those_that_were_to_run_in_its_tests():
     records = [pointed("A", 1, "5"), attempt(2, "B", "withdrawn")._replace(started_utc=0.0),
                attempt(3, "C", "withdrawn")._replace(started_utc=0.0, benchmark="HWV"),
@@ -550,13 +557,15 @@ def test_points_for_the_team_and_an_extra_run_that_replaces_those_before():
         return record._replace(points=record.points._replace(**fields))
 
     records = [run("A", 1, "0", for_team="-500"), run("A", 2, "415"), run("A", 3, "15"),
-               run("B", 4, "700"), run("B", 5, "100", replaces=True), run("B", 6, "60")]
+               run("B", 4, "700"), run("B", 5, "100", replaces=True), run("B", 6, "60"),
+               run("C", 7, "9", replaces=True), run("C", 8, "90"), run("C", 9, "7", replaces=True)]
     rules = StandingRules()
     rules.stages = (Stage("All", (StageColumn("HGTKMH", weight=Decimal(2)),)),)
     stage, test = standings(records, rules, ALL)
     assert [(line.team, line.numbers, line.counting) for line in test.lines] == [
-        ("B", (100,), (1,)), ("A", (-85,), (1,))]
-    assert [(line.team, line.numbers) for line in stage.lines] == [("B", (200, 200)), ("A", (-170, -170))]
+        ("B", (100,), (1,)), ("C", (7,), (2,)), ("A", (-85,), (1,))]
+    assert [(line.team, line.numbers) for line in stage.lines] == [
+        ("B", (200, 200)), ("C", (14, 14)), ("A", (-170, -170))]
     assert "B, HGTKMH: the attempts before the extra one do not count" in stage.steps
     assert "A, HGTKMH: −500 for the team, whichever attempt counts" in stage.steps
 
