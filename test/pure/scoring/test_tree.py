@@ -45,6 +45,8 @@ DOOR = (row("door", 200, 2, needs=(Condition("inside", since=2, after=True),)),
     ([mark("door", at=10), mark("plate", at=20), mark("door", at=30)], 470),
     ([mark("door", at=10), mark("door", at=20), mark("plate", at=30)], 270),
     ([mark("door", at=10), mark("door"), mark("plate", at=30)], 470),
+    ([mark("door", at=10), mark("plate", at=20), mark("door", at=20)], 470),
+    ([mark("door", at=10), mark("plate", at=20), mark("door", at=30), mark("plate", at=40)], 540),
 ])
 def test_a_later_count_needs_another_row_before_it(marks, points):
     assert worth(DOOR, *marks).total == points
