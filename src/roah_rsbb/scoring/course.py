@@ -1,39 +1,43 @@
 """The history of a score sheet as the course of its run, of which the rules make points."""
 
+import functools
 from decimal import Decimal
 from fractions import Fraction
 from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.model.records import ItemRecord, ScoreEntry
 from roah_rsbb.model.rules import Item, Measure, Sheet
-from roah_rsbb.model.scoring import INCIDENTS, Key, ScoringItem
+from roah_rsbb.model.scoring import INCIDENTS, Key, ScoreKind, ScoringItem
 from roah_rsbb.scoring.earlier import key_id
 from roah_rsbb.scoring.tree import Course, Happened, SheetMark, void_marks
 
 NOTHING: Mapping[int, str] = {}
+# A course is made again after each mark, mostly of the same numbers: reading one takes longer than all else.
+_read = functools.lru_cache(maxsize=4096)(Fraction)
 
 
 class History(NamedTuple):
     """A course, and the entries of which its marks were made."""
 
     course: Course
-    numbers: Tuple[int, ...]  # of the entry of each mark; 0: of several
+    numbers: Tuple[int, ...]  # of the entry of each mark
 
 
-def void_entries(sheet: Sheet, rows: Mapping[Key, ScoringItem], entries: Sequence[ScoreEntry]) -> Dict[int, str]:
-    """Return the entries that do not count although nobody withdrew them, by number, and why."""
+def voided(
+    sheet: Sheet, rows: Mapping[Key, ScoringItem], entries: Sequence[ScoreEntry]
+) -> Tuple[Course, Dict[int, str]]:
+    """Return what happened, and the entries that do not count although nobody withdrew them, by number, and why."""
+    history = course_of(sheet, rows, entries)
     if not sheet.incidents and sheet.limit_s is None:
-        return {}
-    history = course_of(sheet, rows, entries, ())
-    return {history.numbers[index]: why for index, why in void_marks(sheet, history.course).items()}
+        return history.course, {}
+    void = {history.numbers[index]: why for index, why in void_marks(sheet, history.course).items()}
+    return (course_of(sheet, rows, entries, void) if void else history).course, void
 
 
 def course_of(
-    sheet: Sheet, rows: Mapping[Key, ScoringItem], entries: Iterable[ScoreEntry], records: Iterable[ItemRecord],
-    void: Mapping[int, str] = NOTHING,
+    sheet: Sheet, rows: Mapping[Key, ScoringItem], entries: Iterable[ScoreEntry], void: Mapping[int, str] = NOTHING
 ) -> History:
-    """Return what happened. `records`: the items as they are, for the results of juries; `void`: entries that do not
-    count, if that is known."""
+    """Return what happened, without the results of juries. `void`: entries that do not count, if that is known."""
     marks: List[Tuple[SheetMark, int]] = []
     incidents: Dict[str, List[Happened]] = {}
     kinds = {item.id: item for item in sheet.items}
@@ -55,13 +59,16 @@ def course_of(
         in_time = entry.in_time or after <= before
         marks += [(mark._replace(at_s=at_s, in_time=in_time), entry.number)
                   for mark in _marks(kinds[item_id], entry, before, after)]
-    ratings = [(SheetMark(id_of(rows[record.key]), Fraction(record.text), sets=True), 0)
-               for record in records if record.text and record.key in rows
-               and kinds[id_of(rows[record.key])].amount is Measure.RATING]
-    all_marks = [*marks, *ratings]
     return History(Course(
-        tuple(mark for mark, _ in all_marks), tuple(each for found in incidents.values() for each in found), True),
-        tuple(number for _, number in all_marks))
+        tuple(mark for mark, _ in marks), tuple(each for found in incidents.values() for each in found), True),
+        tuple(number for _, number in marks))
+
+
+def with_ratings(course: Course, rows: Mapping[Key, ScoringItem], records: Iterable[ItemRecord]) -> Course:
+    """Return a course with the results of juries."""
+    ratings = [SheetMark(id_of(rows[record.key]), Fraction(record.text), sets=True) for record in records
+               if record.text and record.key in rows and rows[record.key].kind is ScoreKind.RATING]
+    return course._replace(marks=(*course.marks, *ratings)) if ratings else course
 
 
 def _moments(entries: Sequence[ScoreEntry]) -> List[Optional[Fraction]]:
@@ -70,7 +77,7 @@ def _moments(entries: Sequence[ScoreEntry]) -> List[Optional[Fraction]]:
     found: List[Optional[Fraction]] = []
     for entry in entries:
         before = found[-1] if found else Fraction(0)
-        found.append(before if entry.clock_s is None else Fraction(str(entry.clock_s)))
+        found.append(before if entry.clock_s is None else _read(str(entry.clock_s)))
     return [None] * len(found) if all(entry.clock_s is None for entry in entries) else found
 
 
@@ -82,10 +89,10 @@ def id_of(row: ScoringItem) -> str:
 def _number(entry: ScoreEntry, row: ScoringItem, before: Fraction) -> Fraction:
     """Return the number that an item has after an entry."""
     if entry.added:
-        return before + Fraction(entry.added)
+        return before + _read(entry.added)
     if entry.not_attempted:
         return Fraction(0)
-    return Fraction(entry.text) if entry.text and not row.choices else Fraction(entry.value)
+    return _read(entry.text) if entry.text and not row.choices else _read(entry.value)
 
 
 def _marks(item: Item, entry: ScoreEntry, before: Fraction, after: Fraction) -> List[SheetMark]:

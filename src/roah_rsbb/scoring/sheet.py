@@ -40,7 +40,7 @@ from roah_rsbb.model.scoring import (
     ScoreKind,
     ScoringItem,
 )
-from roah_rsbb.scoring.course import course_of, void_entries
+from roah_rsbb.scoring.course import voided, with_ratings
 from roah_rsbb.scoring.points import jury_text, text_of, whole_part
 from roah_rsbb.scoring.tree import Course
 from roah_rsbb.wording.sheets import item_value
@@ -109,6 +109,7 @@ class ScoreSheet:
         self._history = self.state.history  # the same list
         self._items: Dict[Key, ScoringItem] = {i.key: i for i in items}
         self._rules = rules or Sheet()
+        self._course = Course()  # what the history says
         self._void: Dict[int, str] = {}  # number of an entry -> why it does not count although nobody withdrew it
         self._taken: Dict[str, int] = {}  # identity of a mark -> the number of its entry; 0: it made none
         for line in self.state.marks.splitlines():
@@ -433,9 +434,9 @@ class ScoreSheet:
     def course(self, elapsed_s: float, end_reason: str) -> Course:
         """Return what happened, as far as points depend on it. `elapsed_s`: counted seconds until the end;
         `end_reason`: why the run ended, empty if it did not."""
-        history = course_of(self._rules, self._items, self._history, self.items(), self._void)
+        course = with_ratings(self._course, self._items, self.items())
         # The clock counts milliseconds at best. A float's last digits must not cost a full second.
-        return history.course._replace(
+        return course._replace(
             ended=bool(end_reason), completed=end_reason == "completed",
             elapsed_s=Fraction(repr(round(elapsed_s, 3))))
 
@@ -483,7 +484,8 @@ class ScoreSheet:
 
     def _stand(self) -> None:
         self._standing = {}
-        self._void = void_entries(self._rules, self._items, self._history)
+        if self._rules.items:
+            self._course, self._void = voided(self._rules, self._items, self._history)
         for entry in self._history:
             if not entry.withdrawn_utc and entry.number not in self._void:
                 place = (entry.group, entry.desc, entry.judge)

@@ -118,6 +118,7 @@ class _Run:
         self.names = {item.id: item.name for item in sheet.items}
         self.decided: Dict[str, Tuple[int, str]] = {}  # item that incidents mark -> how often, and with which choice
         self.replaces = False
+        self._items = {item.id: item for item in sheet.items}
         self._marks = course.marks
         self._held: Dict[str, List[Optional[Fraction]]] = {}  # incident -> when it had an effect
         self._costs_later: List[Tuple[str, Optional[Fraction]]] = []  # items, if points are scored after these times
@@ -225,13 +226,13 @@ class _Run:
             return
         self._held.setdefault(rule.name, []).append(at_s)
         until = self._end_of(rule, happened)
-        for index, mark in enumerate(self._marks):
-            if self._is_hit(rule, mark, at_s, until):
+        for index, mark in enumerate(self._marks if rule.voids is not Voids.NOTHING else ()):
+            if index not in self._void and self._is_hit(rule, mark, at_s, until):
                 time = _at(self._counted(mark.at_s))
                 self._drop(index, VOID(item=self._name(mark), time=time, incident=rule.name))
         if rule.marks and not rule.scored_after:
             words = {str(fact) for fact in happened.facts.values()}
-            choices = (choice.name for choice in self._item(rule.marks).choices)
+            choices = (choice.name for choice in self._items[rule.marks].choices)
             self._decide(rule.marks, next((name for name in choices if name in words), ""))
         elif rule.marks:
             self._costs_later.append((rule.marks, at_s))
@@ -242,26 +243,25 @@ class _Run:
 
     def _why_not(self, rule: Incident, happened: Happened) -> str:
         """Return why an incident has no effect; empty: it has."""
-        time = _at(self._counted(happened.at_s))
-        held = len(self._held.get(rule.name, ()))
+        at_s, held = self._counted(happened.at_s), len(self._held.get(rule.name, ()))
         if rule.times is not None and held >= rule.times:
-            return TOO_OFTEN(incident=rule.name, time=time, number=held + 1, times=rule.times)
+            return TOO_OFTEN(incident=rule.name, time=_at(at_s), number=held + 1, times=rule.times)
         facts = {**self._facts, **happened.facts}
         lacking = [LACKING(fact=self.names.get(fact.item, fact.item)) for fact in rule.when if not _holds(fact, facts)]
         barring = [self.names.get(fact.item, fact.item) for fact in rule.unless if _holds(fact, facts)]
         for why in (*lacking, *barring):
-            return NO_EFFECT(incident=rule.name, time=time, why=why)
+            return NO_EFFECT(incident=rule.name, time=_at(at_s), why=why)
         if rule.below is not None:
             points = self._so_far(happened.at_s, rule.net)
             if points >= Fraction(rule.below):
-                return TOO_LATE(incident=rule.name, time=time, points=number_text(points),
+                return TOO_LATE(incident=rule.name, time=_at(at_s), points=number_text(points),
                                 below=number_text(Fraction(rule.below)))
         return ""
 
     def _so_far(self, at_s: Optional[Fraction], net: bool) -> Fraction:
         """Return the points until a time: without penalties, unless they count."""
         marks = [mark for index, mark in enumerate(self._marks) if index not in self._void
-                 and (net or _worth(self._item(mark.item), mark) >= 0 or _is_penalty(self._item(mark.item)))
+                 and (net or _worth(self._items[mark.item], mark) >= 0 or _is_penalty(self._items[mark.item]))
                  and (at_s is None or (mark.at_s is not None and mark.at_s <= at_s))]
         sheet = self.sheet if net else replace(self.sheet, items=tuple(map(_without_penalty, self.sheet.items)))
         return _Tree(sheet, sorted(marks, key=_when), {}, self.course).total()
@@ -274,18 +274,15 @@ class _Run:
             return False
         if rule.voids is Voids.LATER:
             return mark.at_s > at_s
-        if rule.voids is Voids.EARLIER_POINTS and _worth(self._item(mark.item), mark) < 0:
+        if rule.voids is Voids.EARLIER_POINTS and _worth(self._items[mark.item], mark) < 0:
             return False
         return rule.voids in (Voids.EARLIER, Voids.EARLIER_POINTS) and mark.at_s <= max(at_s, until or at_s)
-
-    def _item(self, item: str) -> Item:
-        return next(each for each in self.sheet.items if each.id == item)
 
     def _scored_after(self, at_s: Optional[Fraction]) -> bool:
         """Whether points were scored after a time."""
         return at_s is not None and any(
             (mark.at_s is None or mark.at_s > at_s) and index not in self._void
-            and _worth(self._item(mark.item), mark) > 0 for index, mark in enumerate(self._marks))
+            and _worth(self._items[mark.item], mark) > 0 for index, mark in enumerate(self._marks))
 
 
 def _when(each: object) -> Tuple[bool, Fraction]:

@@ -6,6 +6,7 @@ import enum
 import json
 import pathlib
 from decimal import Decimal
+from fractions import Fraction
 
 import pytest
 from hypothesis import given
@@ -74,7 +75,7 @@ LOST["MemberRun"] = {"_whole"}
 
 def facts(value, path, found):
     """Add all that an object consists of, in plain values by their paths."""
-    if isinstance(value, enum.Enum) or value is None or isinstance(value, (bool, int, float, str, frozenset, Decimal)):
+    if isinstance(value, enum.Enum) or value is None or isinstance(value, (bool, int, float, str, frozenset, Decimal, Fraction)):
         found[path] = value
     elif isinstance(value, dict) and not hasattr(value, "__dict__"):
         for key, item in value.items():
