@@ -75,7 +75,8 @@ LOST["MemberRun"] = {"_whole"}
 
 def facts(value, path, found):
     """Add all that an object consists of, in plain values by their paths."""
-    if isinstance(value, enum.Enum) or value is None or isinstance(value, (bool, int, float, str, frozenset, Decimal, Fraction)):
+    plain = (enum.Enum, bool, int, float, str, frozenset, Decimal, Fraction)
+    if value is None or isinstance(value, plain):
         found[path] = value
     elif isinstance(value, dict) and not hasattr(value, "__dict__"):
         for key, item in value.items():
