@@ -290,6 +290,23 @@ class RunRecord(NamedTuple):
     versions: Tuple[SheetVersion, ...] = ()  # earlier ones of its signed sheet, oldest first
 
 
+def submitted(record: RunRecord) -> Tuple[JudgeSheet, ...]:
+    """Return the sheets that count, by the judges' names; none before all who are awaited have submitted."""
+    judging, rule = record.judging, None if record.form is None else record.form.judges
+    found = sorted((s for s in judging.sheets if s.submitted_utc and not s.withdrawn_utc), key=lambda s: s.judge)
+    is_complete = judging.waiver is not None or (rule is not None and len(found) >= rule.count)
+    return tuple(found) if is_complete else ()
+
+
+def ratings(record: RunRecord, item: ItemRecord) -> Tuple[Rating, ...]:
+    """Return what each judge gave for an item that judges rate. If they have sheets of their own, what counts in the
+    run's sheet may be a settlement instead."""
+    if record.form is None or record.form.judges is None:
+        return item.ratings
+    return tuple(Rating(one.judge, each.text) for one in submitted(record) for each in one.items
+                 if each.key == item.key and item.kind == "rating")
+
+
 class By(NamedTuple):
     """Who gave a command, and the reason if one was given."""
 

@@ -31,10 +31,11 @@ from roah_rsbb.model.records import (
     SignOff,
     StopRecord,
     Waiver,
+    submitted,
 )
 from roah_rsbb.results.events import COMMANDS, goals, sections
 from roah_rsbb.results.export import RUN_COLUMNS, SCORE_COLUMNS, Cell, run_row, score_rows, write_rows, write_table
-from roah_rsbb.results.runs import RobotPart, RunResult, judged_items, submitted
+from roah_rsbb.results.runs import RobotPart, RunResult, judged_items
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.wording.sheets import node_of
 from roah_rsbb.wording.texts import one_line

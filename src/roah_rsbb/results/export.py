@@ -32,9 +32,9 @@ from typing import (
 
 from roah_rsbb.ground.durable import USUAL, write_file
 from roah_rsbb.model.as_json import to_json
-from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreEntry
+from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreEntry, ratings
 from roah_rsbb.model.run_log import KINDS, LogKind
-from roah_rsbb.results.runs import NotPossible, RobotPart, RunResult, file_name, ratings, run_state_text, taken_s
+from roah_rsbb.results.runs import NotPossible, RobotPart, RunResult, file_name, run_state_text, taken_s
 from roah_rsbb.scoring.counting import Why
 from roah_rsbb.scoring.standings import Standing
 from roah_rsbb.wording.sheets import person, ratings_text

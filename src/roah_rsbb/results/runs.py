@@ -9,7 +9,7 @@ from roah_rsbb.journal.records import ChangesReader
 from roah_rsbb.model import run_log
 from roah_rsbb.model.as_json import BadData, from_json
 from roah_rsbb.model.messages import LinkSample
-from roah_rsbb.model.records import ItemRecord, JudgeSheet, Rating, RunRecord, Settlement
+from roah_rsbb.model.records import ItemRecord, RunRecord, Settlement, submitted
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.sheets import with_counting
 from roah_rsbb.wording.times import NOTHING, date_time, elapsed
@@ -234,23 +234,6 @@ class ItemProposals(NamedTuple):
     item: ItemRecord  # as it counts
     proposals: Tuple[str, ...]  # in the order of the judges
     settlement: Optional[Settlement]  # the one that counts; None: the judges agreed, or nobody settled it
-
-
-def submitted(record: RunRecord) -> Tuple[JudgeSheet, ...]:
-    """Return the sheets that count, by the judges' names; none before all who are awaited have submitted."""
-    judging, rule = record.judging, None if record.form is None else record.form.judges
-    found = sorted((s for s in judging.sheets if s.submitted_utc and not s.withdrawn_utc), key=lambda s: s.judge)
-    is_complete = judging.waiver is not None or (rule is not None and len(found) >= rule.count)
-    return tuple(found) if is_complete else ()
-
-
-def ratings(record: RunRecord, item: ItemRecord) -> Tuple[Rating, ...]:
-    """Return what each judge gave for an item that judges rate. If they have sheets of their own, what counts in the
-    run's sheet may be a settlement instead."""
-    if record.form is None or record.form.judges is None:
-        return item.ratings
-    return tuple(Rating(one.judge, each.text) for one in submitted(record) for each in one.items
-                 if each.key == item.key and item.kind == "rating")
 
 
 def judged_items(record: RunRecord) -> Iterator[ItemProposals]:

@@ -3,7 +3,7 @@
 from functools import partial
 from typing import Iterator, List, Optional, Tuple
 
-from roah_rsbb.model.records import ItemRecord, RunRecord, StopRecord, grouped
+from roah_rsbb.model.records import ItemRecord, RunRecord, StopRecord, grouped, ratings, submitted
 from roah_rsbb.results.events import Section, box_states, robot_states, sections
 from roah_rsbb.results.link_report import LinkRows, link_lines, link_plot
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, facts_table, joined, page, table, tag
@@ -15,10 +15,8 @@ from roah_rsbb.results.runs import (
     clock_text,
     judged_items,
     objection_lines,
-    ratings,
     run_state_text,
     signature_of,
-    submitted,
     taken_text,
     without_step,
 )

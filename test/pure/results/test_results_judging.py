@@ -12,6 +12,7 @@ from helpers.competition import BUMPS, DOOR
 from helpers.jury import Jury, judged
 from helpers.results_of import runs_in
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.views.sheets import run_sheet
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.journal.records import Kind
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
@@ -81,6 +82,8 @@ def test_ratings_are_what_each_judge_gave_also_where_they_were_settled(tmp_path)
     jury.driver.enter("withdraw_sheet", jury.name, "Hugo", judge="Ben", reason="left")
     jury.driver.event(jury.desk.waive, jury.name, "Ben had to leave", "Hugo")
     jury.settle(show, 0, text="7.25")
+    shown = run_sheet(jury.driver.box.scores.record_of(jury.driver.now, jury.name), None).items[0]
+    assert (shown.text, shown.judges, shown.ratings) == ("7.25", ("Ann",), ("7.5",))
     jury.finish()
     jury.driver.journal.close()
     lines, page = _read(jury, _texts)

@@ -7,7 +7,7 @@ from typing import Dict, Iterable, List, Optional, Sequence, Tuple
 from roah_rsbb.core.desks import RunJudging
 from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.reason import joined
-from roah_rsbb.model.records import ItemRecord, JudgeSheet, Objection, RunRecord, ScoreEntry, grouped
+from roah_rsbb.model.records import ItemRecord, JudgeSheet, Objection, RunRecord, ScoreEntry, grouped, ratings
 from roah_rsbb.model.results import (
     AGREED,
     DIFFER,
@@ -91,13 +91,24 @@ def run_sheet(record: RunRecord, why: Optional[Why]) -> RunSheet:
     """Return a run with its score sheet."""
     kinds = {item.key: _type(item) for item in record.items}
     return RunSheet(
-        run_line(record, why), tuple(record.robots), record.elapsed_s,
-        sheet_items(record.items, record.form, record.history),
+        run_line(record, why), tuple(record.robots), record.elapsed_s, _given_items(record),
         tuple(history_entry(entry, kinds.get((entry.group, entry.desc), "uint")) for entry in record.history),
         tuple(RunEnd(number, stop.utc, stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by)
               for number, stop in enumerate(record.stops, 1)),
         record.module_scores, record.points,
     )
+
+
+def _given_items(record: RunRecord) -> Tuple[SheetItem, ...]:
+    """Return the items of a run. Of one with sheets of judges, each rating is what a judge gave there: the run's sheet
+    has what counts of them, such as a settlement, for each of its places."""
+    items = sheet_items(record.items, record.form, record.history)
+    if record.form is None or record.form.judges is None:
+        return items
+    given = [ratings(record, item) for item in record.items]
+    return tuple(
+        item._replace(judges=tuple(one.judge for one in own), ratings=tuple(one.text for one in own)) if own else item
+        for item, own in zip(items, given))
 
 
 def sums_of_record(record: RunRecord) -> str:
