@@ -53,6 +53,13 @@ class Condition:
     after: bool = False  # ... and it must have been given before them, where the times are known
     each: bool = False  # each count needs one of the other item; of `Item.unless`: each one takes one count away
 
+    def __str__(self) -> str:
+        """Return it as a list of changes shows it."""
+        return "".join((
+            self.item, f": {self.text}" if self.text else "", "" if self.least is None else f" ≥ {self.least}",
+            f", from count {self.since} on" if self.since > 1 else "", ", before it" if self.after else "",
+            ", for each" if self.each else ""))
+
 
 @dataclass(frozen=True)
 class Item:

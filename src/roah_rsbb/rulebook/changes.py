@@ -7,7 +7,7 @@ import collections
 from dataclasses import fields, is_dataclass
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple
 
-from roah_rsbb.model.rules import AttemptsRule
+from roah_rsbb.model.rules import AttemptsRule, Item
 from roah_rsbb.model.scoring import ScoreKind
 from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.errors import quote
@@ -116,8 +116,14 @@ def _of_items(name: str, before: Iterable[Any], after: Iterable[Any]) -> List[st
 
 
 def _by_name(items: Iterable[Any]) -> Dict[str, Any]:
-    return {": ".join(str(getattr(item, part)) for part in ("group", "desc", "name") if hasattr(item, part))
-            or str(item): item for item in items}
+    return {_name(item): item for item in items}
+
+
+def _name(item: Any) -> str:
+    """Return what an item of a sequence is called. Rows of a sheet may have one name, and then have ids."""
+    name = ": ".join(str(getattr(item, part)) for part in ("group", "desc", "name") if hasattr(item, part))
+    has_id = isinstance(item, Item) and item.id != name
+    return f"{name} ({item.id})" if has_id else name or str(item)
 
 
 def _text(value: Any) -> str:

@@ -10,7 +10,8 @@ from roah_rsbb.model.rules import Stage, StageColumn
 from roah_rsbb.model.scoring import NO_SHEET_RULES, SheetRules, TimeLeft
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Config, Durable, EventRules
 from roah_rsbb.rulebook.changes import changes, warnings
-from roah_rsbb.rulebook.errors import Place
+from roah_rsbb.rulebook.config import load_benchmarks
+from roah_rsbb.rulebook.errors import Place, known
 from roah_rsbb.rulebook.event_ids import key_of
 from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.rulebook.standing_rules import StandingRules, read_rules
@@ -46,6 +47,38 @@ def test_benchmarks():
         "benchmark STB: added",
     ]
     assert changes(after, before)[-1] == "benchmark STB: removed"
+
+
+SHEET = """\
+- name: Test
+  desc: Fetch
+  code: Fetch
+  kind: task
+  timeout: 300
+  sheet:
+    - { item: Takes it, points: 60, times: 5 }
+    - { item: Custom, id: 1, points: 5 }
+    - { item: Custom, id: 2, points: 5 }
+    - { item: Bonus, points: 9, needs: Takes it }
+  incidents: { restart: { voids: all } }
+"""
+
+
+def test_the_rules_of_a_sheet():
+    before, after = (Config(load_sheets(text), {}, ()) for text in (
+        SHEET, SHEET.replace("60, times: 5", "50, times: 4").replace("id: 1, points: 5", "id: 1, points: 6").replace(
+            "needs: Takes it", "needs: { item: Takes it, least: 2 }").replace("all", "earlier")))
+    assert changes(before, after) == [
+        "benchmark Fetch: items: 'Takes it': points 60, now 50, times 5, now 4",
+        "benchmark Fetch: items: 'Custom (1)': points 5, now 6",
+        "benchmark Fetch: items: 'Bonus': needs: 'Takes it' removed, needs: 'Takes it ≥ 2' added",
+        "benchmark Fetch: incidents: 'restart': voids all, now earlier",
+    ]
+
+
+def load_sheets(text):
+    with known({"benchmarks.yaml": text}):
+        return load_benchmarks("benchmarks.yaml")
 
 
 def test_teams_without_their_passwords():
