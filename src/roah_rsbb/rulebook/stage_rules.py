@@ -82,25 +82,32 @@ class StageReader:
         self._less = less
         self._codes = codes
         self._known_teams = teams
+        self._is_old = False
         self._places: Dict[str, Place] = {}  # of the stages by name, also of those with errors
 
     def read(self, node: Optional[Node]) -> None:
         """Read the stages, in their order."""
         for each in sequence(self._report, node, "stages", "stages, '- {name: Tasks, of: [...]}'") or ():
-            stage = self._stage(each)
-            if stage is not None:
-                self.found.append(stage)
+            self.found += filter(None, [self._stage(each)])
+
+    def read_overall(self, node: Optional[Node]) -> None:
+        """Read the overall standings of files without stages: stages with fewer keys, which know no other stage."""
+        self._is_old, self._codes = True, None
+        for each in sequence(self._report, node, "overall", "overall standings, '- {name: ..., of: [...]}'") or ():
+            self.found += filter(None, [self._stage(each)])
 
     # -- a stage ------------------------------------------------------------------------------------
 
     def _stage(self, node: Node) -> Optional[Stage]:
         report, errors = self._report, len(self._report.errors)
-        got = fields(report, node, "a stage", _STAGE, _STAGE_OPTIONAL)
+        got = (fields(report, node, "an overall standing", _OVERALL, _OVERALL_OPTIONAL) if self._is_old else
+               fields(report, node, "a stage", _STAGE, _STAGE_OPTIONAL))
         if got is None:
             return None
         name = text(report, got.get("name"), "name") or ""
         teams = self._earlier(got["teams"], "teams") if "teams" in got else ""
-        normalised = self._word(got, "normalised", Scale, "how numbers become comparable") or Scale.NO
+        normalised = self._word(got, "normalised", Scale, "how numbers become comparable") or (
+            Scale.BEST if self._is_old else Scale.NO)
         others = self._word(got, "others", Others, "where teams are ranked that did not advance") or Others.BELOW
         columns = self._columns(got.get("of"), normalised)
         before = len(report.errors)
@@ -111,7 +118,7 @@ class StageReader:
         asks = "asks" in got and choice(report, got["asks"], "asks", ("yes", "no"), "yes or no") == "yes"
         least = self._number(got, "min")
         chosen = self._texts(got.get("chosen"), "chosen", "teams", self._team)
-        if name:
+        if name and not self._is_old:
             report.once(self._places, name, node.place, f"the stage {quote(name)} again", "each stage once")
         if "others" in got and "teams" not in got:
             report.error(got["others"].place, "'others' in a stage of all teams", "also 'teams: NAME OF A STAGE'")
@@ -122,7 +129,8 @@ class StageReader:
                      tuple(chosen))
 
     def _columns(self, node: Optional[Node], normalised: Scale) -> List[StageColumn]:
-        nodes = sequence(self._report, node, "of", "tests and earlier stages, '- {test: HGTKMH, weight: 2}'") or ()
+        shape = "benchmarks, '- {benchmark: " if self._is_old else "tests and earlier stages, '- {test: "
+        nodes = sequence(self._report, node, "of", shape + "HGTKMH, weight: 2}'") or ()
         found: List[StageColumn] = []
         places: Dict[str, Place] = {}
         for each in nodes:
@@ -141,13 +149,15 @@ class StageReader:
 
     def _column(self, node: Node, normalised: Scale) -> Optional[StageColumn]:
         report, errors = self._report, len(self._report.errors)
-        got = fields(report, node, "a column of a stage", {}, _COLUMN)
+        key = "benchmark" if self._is_old else "test"
+        got = (fields(report, node, "a benchmark of an overall standing", _PART, _PART_OPTIONAL) if self._is_old else
+               fields(report, node, "a column of a stage", {}, _COLUMN))
         if got is None:
             return None
-        if ("test" in got) == ("stage" in got):
+        if not self._is_old and ("test" in got) == ("stage" in got):
             return report.error(node.place, "a column of a stage with 'test' and 'stage', or with neither",
                                 "one of them")
-        test = self._test(got["test"]) if "test" in got else ""
+        test = self._test(got[key]) if key in got else ""
         stage = self._earlier(got["stage"], "stage") if "stage" in got else ""
         for key in ("attempts", "rounds", "events"):
             if key in got and "stage" in got:
@@ -162,10 +172,12 @@ class StageReader:
         rounds = [integer(report, each, "a round", 1, MAX_NUMBER)
                   for each in self._nodes(got, "rounds", "numbers of rounds, such as [1, 2]")]
         events = [text(report, each, "an event") for each in self._nodes(got, "events", "ids of events")]
+        seconds = utc_time(report, got["day"], "day") if "day" in got else None
+        day = "" if seconds is None else formatted(seconds, "%Y-%m-%d", in_utc=True)  # as it is written
         if len(report.errors) > errors or weight is None:
             return None
         return StageColumn(test or "", stage or "", weight, attempts, own, maximum, tuple(filter(None, rounds)),
-                           tuple(filter(None, events)))
+                           tuple(filter(None, events)), day)
 
     def _test(self, node: Node) -> Optional[str]:
         if not isinstance(node, Scalar):
@@ -182,12 +194,11 @@ class StageReader:
 
     def _ties(self, node: Optional[Node], columns: Sequence[StageColumn]) -> Tuple[str, ...]:
         names = tuple(dict.fromkeys([*(column.subject for column in columns), *self._places]))
+        may_be_other = self._codes is None and not self._is_old
 
         def read(each: Node) -> Optional[str]:
-            if isinstance(each, Scalar) and each.text in names:
-                return each.text
-            if self._codes is None and isinstance(each, Scalar) and CODE.fullmatch(each.text) and nearest(
-                    each.text, names) is None:
+            is_other = isinstance(each, Scalar) and each.text not in names and nearest(each.text, names) is None
+            if isinstance(each, Scalar) and is_other and may_be_other:
                 return benchmark_code(self._report, each)
             return choice(self._report, each, "ties", (*names, *(self._codes or ())), "a test, or an earlier stage")
 
@@ -292,56 +303,3 @@ class StageReader:
             self._report.error(node.place, f"{describe(node)} as {what}", f"a map such as {shape}")
             return ()
         return node.pairs
-
-    # -- overall standings --------------------------------------------------------------------------
-
-    def read_overall(self, node: Optional[Node]) -> None:
-        """Read the overall standings of files without stages, as stages."""
-        for each in sequence(self._report, node, "overall", "overall standings, '- {name: ..., of: [...]}'") or ():
-            stage = self._overall(each)
-            if stage is not None:
-                self.found.append(stage)
-
-    def _overall(self, node: Node) -> Optional[Stage]:
-        report, errors = self._report, len(self._report.errors)
-        got = fields(report, node, "an overall standing", _OVERALL, _OVERALL_OPTIONAL)
-        if got is None:
-            return None
-        name = text(report, got.get("name"), "name")
-        words = tuple(each.value for each in (Scale.BEST, Scale.MAXIMUM, Scale.NO))
-        normalised = (choice(report, got["normalised"], "normalised", words, "how numbers become comparable")
-                      if "normalised" in got else Scale.BEST.value)
-        nodes = sequence(report, got.get("of"), "of", "benchmarks, '- {benchmark: HGTKMH, weight: 2}'") or ()
-        columns = [self._part(part, normalised) for part in nodes]
-        places: Dict[str, Place] = {}
-        for column, each in zip(columns, nodes):
-            if column is not None:
-                report.once(places, column.name, each.place, f"{quote(column.name)} again",
-                            "each benchmark (of a day) once")
-        codes = tuple(column.test for column in columns if column is not None)
-        ties = self._texts(got.get("ties") if None not in columns else None, "ties", "benchmarks of this standing",
-                           lambda word: choice(report, word, "ties", codes, "a benchmark of this standing"))
-        if len(report.errors) > errors or name is None or normalised is None:
-            return None
-        return Stage(name, tuple(filter(None, columns)), normalised=Scale(normalised), ties=tuple(ties))
-
-    def _part(self, node: Node, normalised: Optional[str]) -> Optional[StageColumn]:
-        report = self._report
-        got = fields(report, node, "a benchmark of an overall standing", _PART, _PART_OPTIONAL)
-        if got is None:
-            return None
-        named = got.get("benchmark")
-        code = benchmark_code(report, named) if isinstance(named, Scalar) else text(report, named, "benchmark")
-        if code in self._less:
-            return report.error(node.place, f"{code}, in whose first criterion less is better, in an overall standing",
-                                "a first criterion where more is better")
-        weight = exact(report, got["weight"], "weight", 0, MAX_WEIGHT) if "weight" in got else Decimal(1)
-        seconds = utc_time(report, got["day"], "day") if "day" in got else None
-        maximum = exact(report, got["maximum"], "maximum", Decimal("0.001"), MAX_WEIGHT) if "maximum" in got else None
-        if normalised == Scale.MAXIMUM.value and "maximum" not in got:
-            report.error(node.place, "a benchmark without maximum, normalised to the maximum",
-                         "something like 'maximum: 500'")
-        if code is None or weight is None:
-            return None
-        day = "" if seconds is None else formatted(seconds, "%Y-%m-%d", in_utc=True)  # as it is written
-        return StageColumn(code, weight=weight, maximum=maximum, day=day)

@@ -487,9 +487,9 @@ def test_an_overall_standing_is_read_and_comes_first(tmp_path):
 
 @pytest.mark.parametrize(("old", "new", "line", "expected"), [
     ("name: All days", "title: All days", 3, "unknown key 'title'"), ("maximum\n", "worst\n", 4, "how numbers become"),
-    ("ties: [HWV]", "ties: [HNF]", 5, "a benchmark of this standing"), ("weight: 2", "weight: two", 7, "'two' as"),
+    ("ties: [HWV]", "ties: [HNF]", 5, "as ties; expected a test"), ("weight: 2", "weight: two", 7, "'two' as"),
     ("weight: 2", "weight: -1", 7, "'-1' as weight"), (", maximum: 500", "", 7, "'maximum: 500'"),
-    ("2026-11-28", "Sunday", 8, "'Sunday' as day"), ("HWV, day", "HGTKMH, day", 5, "a benchmark of this standing"),
+    ("2026-11-28", "Sunday", 8, "'Sunday' as day"), ("HWV, day", "HGTKMH, day", 5, "as ties; expected a test"),
     ("{name: x,", "{name: x, better: less,", 7, "a first criterion where more is better"),
     ("{benchmark: HWV, day: 2026-11-28, maximum: 20.5}", "{benchmark: HGTKMH, maximum: 3}", 8, "'HGTKMH' again"),
     ("    of:", "    of: []\n  - of:", 6, "an empty sequence"),
