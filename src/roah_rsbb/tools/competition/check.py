@@ -11,6 +11,7 @@ from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, Durable, ScheduledEvent, teams_of
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, arguments, elements, listing, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind
+from roah_rsbb.rulebook.sheet_check import findings
 from roah_rsbb.rulebook.standing_rules import read_rules
 from roah_rsbb.tools.competition import files
 from roah_rsbb.tools.competition.plan import local_zone, planned_s
@@ -61,6 +62,9 @@ def check(directory: str) -> Checked:
     except ConfigErrors as found:
         errors += str(found).splitlines()
     if loaded is not None:
+        for code, benchmark in loaded.benchmarks.items():
+            for text in findings(benchmark.sheet):
+                report.warn(Place(paths[0], 0, 0), f"{code}: {text}")
         report.warnings += warnings_of_days(paths[1], loaded)
         _check_times(report, paths[1], loaded)
         _check_teams(report, paths[2], loaded)

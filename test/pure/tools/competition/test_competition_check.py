@@ -1,6 +1,7 @@
 """--check: everything that is wrong in a competition's directory, at once."""
 
 import datetime
+import re
 
 import pytest
 
@@ -54,6 +55,15 @@ def test_errors_of_all_files_at_once(competition):
     reported = [error.replace(str(directory) + "/", "").partition(":")[0] for error in found.errors]
     assert sorted(reported) == ["benchmarks.yaml", "competition.launch", "schedule.yaml"]
     assert found.summary == ""
+
+
+def test_what_a_sheet_says_in_vain(competition):
+    directory = competition()
+    change(directory / files.BENCHMARKS, "  scoring:\n", "  sheet: [{item: a, points: 1}, {item: b}]\n  was:\n")
+    path = directory / files.BENCHMARKS
+    path.write_text(re.sub(r"  was:\n(    .*\n)+", "", path.read_text("utf-8")), "utf-8")
+    assert warnings(directory)[0].endswith("'b' gives no points, and no other row depends on it: write 'points: 0' if "
+                                           "it is only recorded")
 
 
 def test_parameters_of_modules(competition):
