@@ -152,9 +152,7 @@ class Loop(asyncio.AbstractEventLoop):
         self._process = process
         self._scheduler = process.scheduler
         self._computer = process.computer
-
-    def time(self):
-        return self._computer.mono()
+        self.time = process.computer.mono
 
     def call_soon(self, callback, *args, context=None):
         handle = Handle(callback, args)
