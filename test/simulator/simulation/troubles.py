@@ -42,8 +42,8 @@ def plan_of(world, random):
             for kind in random.choices(kinds, k=count)]
     if world.standby is not None and random.random() < 0.6:
         plan.append(Trouble(random.uniform(6.0, world.length_s), "take over", KINDS["take over"](world, random)))
-    if random.random() < 0.4:
-        kind = random.choice(LED)
+    if random.random() < 0.53:
+        kind = random.choice(AWAITED)
         plan.append(Trouble(random.uniform(1.0, 10.0), kind, KINDS[kind](world, random)))
     return sorted(plan)
 
@@ -101,8 +101,8 @@ KINDS = {
 
 DISK = ("kill", "kill at an entry", "kill, then kill", "kill, then power", "power", "power at an entry", "slow disk",
         "slow disk, then power", "broken disk", "frozen disk", LOST, "full disk", "hang")
-# The referee leads a zone to where these make a difference.
-LED = "hang at a limit", "left out", LOST
+# These wait for a moment at which they make a difference, to which the referee leads a zone for most of them.
+AWAITED = "hang at a limit", "left out", LOST, "attack after a loss"
 OF_STANDBY = ("standby hangs", "standby restarts", "take over", "cut off", "old box restarts")
 NETWORK = ("loss", "late", "double", "cut off", "kill", "attack", "attack after a loss", "replay", "relay", "garbage",
            "forged beacon", "robot crashes", "robot hangs", "robot's clock", "hang at a limit", "left out")
@@ -243,15 +243,17 @@ class Troubles:
             world.scheduler.after(at, act)
 
     def _later(self, method, *values, suits=lambda event: event.team != "ALL"):
-        """Begin a trouble again soon: now it makes no difference. The referee leads a zone to an event that suits it.
-        """
+        """Begin a trouble again soon: now it makes no difference. The referee leads a zone to an event that suits it;
+        None: to none."""
         world, core = self._world, self._world.box.core
         if not self._are_allowed:
             return
         world.scheduler.after(0.5, lambda: method(*values))
-        zones = [] if core is None else [zone for zone in core.box.zones.values() if any(map(suits, zone.planned))]
+        if core is None or suits is None:
+            return
+        zones = [zone for zone in core.box.zones.values() if any(map(suits, zone.planned))]
         self._led += 1
-        if not zones or method == self._relay or self._led > MOST_LED:
+        if not zones or self._led > MOST_LED:
             return
         zone, run = zones[0], zones[0].run
         world.referee.rests_until = max(world.referee.rests_until, world.scheduler.now + 0.6)
@@ -341,12 +343,17 @@ class Troubles:
     def _relay(self, number, seconds):
         """Somebody sends what a robot sends in a run again, from elsewhere, and is faster."""
         world, robot = self._world, self._world.robots[number]
-        if robot.link is not None and world.witness.is_heard(robot.link.port):
+        if self._is_heard(number):
             key = robot.computer.host, robot.link.port
             world.air.relays[key] = STRANGER
             world.scheduler.after(seconds, lambda: world.air.relays.pop(key, None))
         else:
-            self._later(self._relay, number, seconds)
+            self._later(self._relay, number, seconds, suits=None)
+
+    def _is_heard(self, number):
+        """Whether a robot is in a run, and the box hears it for some time."""
+        link = self._world.robots[number].link
+        return link is not None and self._world.witness.is_heard(link.port)
 
     def _attack(self, number, silent_s, host):
         """Somebody sends again what the box has taken from a robot in all its runs, at its present channel, perhaps
@@ -364,9 +371,12 @@ class Troubles:
                 world.box.computer.host))
 
     def _attack_after_a_loss(self, number, host):
-        """The same after a restart of the box."""
-        self._world.box.kill(0.5)
-        self._attack(number, 3.5, host)
+        """The same after a restart of the box, as soon as the robot is heard in a run."""
+        if self._is_heard(number):
+            self._world.box.kill(0.5)
+            self._attack(number, 3.5, host)
+        else:
+            self._later(self._attack_after_a_loss, number, host, suits=None)
 
     def _old_box_restarts(self, restart_s, is_alone):
         """The box from which a standby took over starts again, perhaps where it hears nobody."""
