@@ -21,6 +21,7 @@ from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import By, EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.machine import box_transition
+from roah_rsbb.rulebook.benchmarks import EventRules
 
 TASK, GOALS, ALL = "HGTKMH", "HNF", "HSUF"
 MOVES = (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING, RobotState.RESULT_TX)
@@ -30,7 +31,8 @@ STOPPED_ITSELF, UNHEARD = "The robot reports STOP, and the box cannot know", "Th
 
 def config(code):
     timeouts = {GOALS: {"timeout": 100.0, "total_timeout": 300.0}}.get(code, {"timeout": 300.0})
-    return competition(teams=("Alpha", "Beta"), tbm=[event(code, team="ALL" if code == ALL else "Alpha", **timeouts)])
+    team, rules = "ALL" if code == ALL else "Alpha", EventRules(pause=True)
+    return competition(teams=("Alpha", "Beta"), tbm=[event(code, team=team, rules=rules, **timeouts)])
 
 
 class NextBox(BoxDriver):
@@ -95,6 +97,23 @@ def test_nothing_is_sent_before_the_robot_was_heard(code, state):
     assert set(box.sent) <= {BoxState.STOP}
     assert UNHEARD in box.view().warnings[0]
     assert box.off("stop") == [] == box.off("continue")
+
+
+@pytest.mark.parametrize("code", [TASK, ALL])
+@pytest.mark.parametrize("is_paused", [False, True])
+def test_a_robot_that_reports_stop_changes_nothing_of_a_pause(code, is_paused):
+    driver, robot, _ = saved_in(code, BoxState.WAITING_RESULT)
+    if is_paused:
+        driver.command("pause")
+    box = NextBox(driver, code)
+    before = box.view().clock.elapsed
+    box.taken_over(robot).says(RobotState.STOP)
+    box.run(2.0)
+    box.command("continue")
+    box.run(3.0)
+    clock = box.view().clock
+    assert (bool(clock.paused), clock.counting) == (is_paused, not is_paused)
+    assert clock.elapsed == pytest.approx(before if is_paused else before + 5.0, abs=0.1)
 
 
 @pytest.mark.parametrize("code, state", SAVED)
