@@ -8,7 +8,6 @@ import pathlib
 import re
 import subprocess
 import sys
-from unittest import mock
 
 import pytest
 
@@ -16,9 +15,10 @@ from helpers.copied import Copied, contents
 from helpers.journals import Writer
 from roah_rsbb.ground import durable, linux
 from roah_rsbb.journal import epochs, log
-from roah_rsbb.journal.contents import BoxEpoch, open_journal
+from roah_rsbb.journal.contents import open_journal, superseded_value
 from roah_rsbb.journal.copy_folder import CopyFolder
 from roah_rsbb.journal.log_dir import JOURNAL, InForce, Texts, write_in_force
+from roah_rsbb.journal.records import Kind
 from roah_rsbb.standby import pairing
 from roah_rsbb.standby.beside_copy import PackedModules
 from roah_rsbb.standby.channel import MODULES
@@ -53,17 +53,18 @@ def copied(tmp_path):
     made.follower.close()
     (made.stick / "network.json").write_text(json.dumps({"rsbb_host": "10.1.255.255", "rsbb_port": 7000}))
     made.standby = StandbyFolder(str(made.stick))
+    umask = os.umask(0o022)
+    os.umask(umask)
     yield made
+    os.umask(umask)
     made.close()
 
 
 def entered(folder, *words):
     """Enter a command; returns its exit status. Raises `Refused` with what it prints instead."""
     errors = io.StringIO()
-    with mock.patch.object(sys, "argv", ["standby", *words, "--log-dir", str(folder)]), \
-            mock.patch.object(durable, "close_to_others"), contextlib.redirect_stderr(errors), \
-            pytest.raises(SystemExit) as end:
-        standby.main()
+    with contextlib.redirect_stderr(errors), pytest.raises(SystemExit) as end:
+        standby.main([*words, "--log-dir", str(folder)])
     if end.value.code:
         raise standby.Denied(errors.getvalue())
     return end.value.code
@@ -185,7 +186,7 @@ def test_a_takeover_says_which_robots_are_not_heard(copied, capsys, host, is_sai
 def test_the_address_can_be_taken_while_the_new_box_runs(copied, monkeypatch, capsys):
     folder, taken = str(copied.stick), []
     box = PairedBox("203.0.113.2", 8083, "ff", "key")
-    monkeypatch.setattr(standby, "read_box", lambda _: box)
+    write_box(folder, box)
     monkeypatch.setattr(takeover, "take_address", lambda host, _: taken.append(host) or "eth7")
     StandbyFolder(folder).become_box(box)
     with contextlib.closing(CopyFolder(folder)):  # locked, as a core locks its journal
@@ -199,8 +200,8 @@ def test_the_address_can_be_taken_while_the_new_box_runs(copied, monkeypatch, ca
 
 
 def test_a_witness_needs_the_program_ping(copied, monkeypatch):
-    monkeypatch.setattr(standby, "read_box", lambda _: PairedBox("203.0.113.2", 8083, "ff", "key"))
-    monkeypatch.setattr(standby.shutil, "which", lambda name: None)
+    write_box(str(copied.stick), PairedBox("203.0.113.2", 8083, "ff", "key"))
+    monkeypatch.setenv("PATH", "")
     with pytest.raises(standby.Denied, match="install iputils-ping"):
         entered(copied.stick, "follow", "--automatic", "5", "--witness", "203.0.113.1")
 
@@ -209,7 +210,8 @@ def test_the_old_box_becomes_a_standby_with_the_same_options(copied, monkeypatch
     kept = []
     monkeypatch.setattr(standby, "rejoin", lambda *_: PairedBox("10.0.0.3", 8083, "ff", "key"))
     keep(monkeypatch, lambda *given: kept.append(given))
-    monkeypatch.setattr(standby.shutil, "which", lambda name: f"/bin/{name}")
+    (tmp_path / "ping").touch(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(standby.os, "geteuid", lambda: 0)
     entered(copied.stick, "rejoin", str(tmp_path / "old"), "--automatic", "5", "--witness", "203.0.113.1",
             "--take-address")
@@ -243,7 +245,7 @@ def test_a_box_that_was_off_during_the_takeover_is_the_box_again(tmp_path, monke
 def test_options_that_are_not_possible_change_nothing(copied, monkeypatch, words, wrong):
     for name in ("pair", "rejoin", "CopyKeeper"):
         monkeypatch.setattr(standby, name, lambda *_: pytest.fail("something was changed"))
-    monkeypatch.setattr(standby.shutil, "which", lambda name: None)
+    monkeypatch.setenv("PATH", "")
     monkeypatch.setattr(standby.os, "geteuid", lambda: 1000)
     with pytest.raises(standby.Denied, match=wrong[0] if wrong[0] != "--witness" else "ping"):
         entered(copied.stick, *words, *wrong)
@@ -338,8 +340,8 @@ def test_a_box_without_a_port_for_a_standby_has_no_code(copied, monkeypatch):
         entered(copied.log_dir, "code")
 
 
-def test_a_superseded_box_has_no_code(box, monkeypatch):
-    monkeypatch.setattr(takeover.epochs, "standing_in", lambda _: BoxEpoch(2, superseded_by=3, by="10.0.0.3"))
+def test_a_superseded_box_has_no_code(box, copied):
+    copied.writer.entry(Kind.EPOCH, superseded_value(2, 1, "10.0.0.3"), port=None)
     with pytest.raises(standby.Denied, match="pair the standby with the box at 10.0.0.3"):
         entered(box, "code")
 
@@ -419,7 +421,7 @@ def test_a_box_that_hands_over_is_replaced(copied, monkeypatch, capsys):
 def test_a_standby_without_a_configuration_is_handed_nothing(copied, monkeypatch, capsys):
     kept = Keeping(str(copied.stick), monkeypatch)
     kept.keep()
-    monkeypatch.setattr(takeover.log_dirs, "read_in_force", lambda folder: None)
+    write_in_force(str(copied.stick), InForce("launch", 4, {}))
     assert not kept.on_hand_over()
     assert "the box hands over, but: the copy in" in capsys.readouterr().out
 
@@ -489,7 +491,9 @@ def test_a_superseded_box_can_be_a_standby_again(copied, monkeypatch):
     box = PairedBox("10.0.0.2", 8083, "ff", "key")
     write_box(folder, box)
     StandbyFolder(folder).become_box(box)
-    monkeypatch.setattr(takeover.epochs, "standing_in", lambda _: BoxEpoch(2, superseded_by=3))
+    writer = Writer(copied.stick)
+    writer.entry(Kind.EPOCH, superseded_value(3, 1, "10.0.0.3"), port=None)
+    writer.close()
     kept = []
     keep(monkeypatch, lambda *given: kept.append(given))
     entered(folder, "follow")
