@@ -25,12 +25,14 @@ def numbers(folder):
 
 
 class Copied:
-    """A journal and its copy on a stick. Tests call `follower.step`, instead of the follower's thread."""
+    """A journal and its copy on a stick. Tests call `follower.step`, instead of the follower's thread; `on_part`: how a
+    part is written, given what writes it."""
 
     def __init__(self, folder):
         self.log_dir, self.stick = folder / "log", folder / "stick"
         self.stick.mkdir()
         self.mono = 100.0
+        self.on_part = lambda write, part: write(part)
         self.writer = self.new_writer()
         self.follower = self.new_follower()
 
@@ -38,9 +40,17 @@ class Copied:
         """A box that continues the journal, or begins it."""
         return Writer(self.log_dir, COMPETITION)
 
-    def new_follower(self):
+    def new_follower(self, **options):
         """A follower as a restarted process has it."""
-        return Follower(str(self.log_dir), Stick(str(self.stick), str(self.log_dir)).open, now=lambda: self.mono)
+        self.open_stick = Stick(str(self.stick), str(self.log_dir)).open
+        return Follower(str(self.log_dir), self.opened, **{"now": lambda: self.mono, **options})
+
+    def opened(self):
+        """The copy, which writes its parts through `on_part`."""
+        copy = self.open_stick()
+        write = copy.write
+        copy.write = lambda part: self.on_part(write, part)
+        return copy
 
     @property
     def trouble(self):

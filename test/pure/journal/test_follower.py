@@ -48,26 +48,26 @@ def small_parts(monkeypatch):
 
 
 @pytest.fixture
-def parts(monkeypatch):
+def parts(copied):
     """The parts that are written."""
-    found, write = [], CopyFolder.write
-    monkeypatch.setattr(CopyFolder, "write", lambda copy, part: (write(copy, part), found.append(part)))
+    found = []
+    copied.on_part = lambda write, part: (write(part), found.append(part))
     return found
 
 
-def stop_after(copied, monkeypatch, count):
+def stop_after(copied, count):
     """The follower ends after so many parts, as if it were killed."""
-    write, written = CopyFolder.write, []
+    written = []
 
-    def write_some(copy, part):
-        write(copy, part)
+    def write_some(write, part):
+        write(part)
         written.append(part)
         if len(written) == count:
             copied.follower._ended.set()
 
-    with monkeypatch.context() as patch:
-        patch.setattr(CopyFolder, "write", write_some)
-        copied.follower.step()
+    copied.on_part, on_part = write_some, copied.on_part
+    copied.follower.step()
+    copied.on_part = on_part
     copied.follower.close()
     copied.follower = copied.new_follower()
 
@@ -85,14 +85,14 @@ def test_the_copy_is_a_journal_with_all_data(copied):
     assert (copied.stick / "configuration.json").read_text() == "{}"
 
 
-def test_files_beside_the_journal_are_copied_before_the_records_that_need_them(copied, monkeypatch):
+def test_files_beside_the_journal_are_copied_before_the_records_that_need_them(copied):
     (copied.log_dir / "configuration.json").write_text("version 1")
     assert copied.step()
     (copied.log_dir / "configuration.json").write_text("version 2 for a run")
     copied.writer.entry("/notification", "of the run")
-    found, write = [], CopyFolder.write
-    monkeypatch.setattr(CopyFolder, "write", lambda copy, part: (
-        found.append((copied.stick / "configuration.json").read_text()), write(copy, part)))
+    found = []
+    copied.on_part = lambda write, part: (
+        found.append((copied.stick / "configuration.json").read_text()), write(part))
     assert copied.step()
     assert found == ["version 2 for a run"]
 
@@ -107,7 +107,7 @@ def test_a_journal_with_several_segments_is_copied_in_parts(copied, small_parts)
 
 
 @pytest.mark.parametrize("count", range(1, 12))
-def test_an_interrupted_copy_is_an_earlier_state(copied, monkeypatch, small_parts, count):
+def test_an_interrupted_copy_is_an_earlier_state(copied, small_parts, count):
     """A segment is complete before the next one begins, and none has a name before it has its summary."""
     copied.writer.entry("/notification", "first")
     assert copied.step()
@@ -116,7 +116,7 @@ def test_an_interrupted_copy_is_an_earlier_state(copied, monkeypatch, small_part
         copied.writer.entry("/notification", number)
     copied.restart_box()
     copied.writer.entry("/notification", "last")
-    stop_after(copied, monkeypatch, count)
+    stop_after(copied, count)
     found = numbers(copied.stick)
     assert before <= found == list(range(1, len(found) + 1))
     for path in segments_in(copied.stick):
@@ -413,15 +413,14 @@ def test_there_is_no_journal_yet(copied, tmp_path):
 def test_nothing_is_written_while_nothing_changes(copied, monkeypatch):
     copied.writer.entry("/notification", "now")
     assert copied.step()
-    monkeypatch.setattr(CopyFolder, "write", None)
+    copied.on_part = None
     monkeypatch.setattr(CopyFolder, "write_files", None)
     assert copied.step()
 
 
-def test_the_thread_copies(copied, monkeypatch):
+def test_the_thread_copies(copied):
     done = threading.Event()
-    write = CopyFolder.write
-    monkeypatch.setattr(CopyFolder, "write", lambda *arguments: (write(*arguments), done.set()))
+    copied.on_part = lambda write, part: (write(part), done.set())
     copied.follower.start()
     assert done.wait(60.0)
     done.clear()
@@ -554,26 +553,26 @@ def failed(copied, monkeypatch):
     return copied
 
 
-def test_a_segment_is_not_continued_after_a_failed_fsync(failed, small_parts, monkeypatch):
+def test_a_segment_is_not_continued_after_a_failed_fsync(failed, small_parts):
     """All of it is written again. The old one stays until the new one is complete, so that a takeover has a copy."""
     before, old = [inode(path) for path in segments_in(failed.stick)], newest(failed.stick).read_bytes()
-    write, written = CopyFolder.write, []
+    written, on_part = [], failed.on_part
 
-    def note(copy, part):
+    def note(write, part):
         assert newest(failed.stick).read_bytes() == old, "the new one is not complete yet"
         written.append(part.at)
-        write(copy, part)
+        write(part)
 
-    monkeypatch.setattr(CopyFolder, "write", note)
+    failed.on_part = note
     assert failed.step()
     assert written == list(range(0, newest(failed.log_dir).stat().st_size, PART_BYTES))
     after = [inode(path) for path in segments_in(failed.stick)]
     assert after[:-1] == before[:-1] and after[-1] != before[-1]
     assert not is_again(failed.stick)
     failed.follower.close()
-    monkeypatch.setattr(CopyFolder, "write", None)
+    failed.on_part = None
     assert failed.step(), "it is trusted, also when it is opened"
-    monkeypatch.setattr(CopyFolder, "write", write)
+    failed.on_part = on_part
     failed.writer.entry("/notification", "later")
     assert failed.step()
 
@@ -601,18 +600,17 @@ def test_a_restarted_process_does_not_continue_it_either(failed, monkeypatch):
 
 def test_a_process_that_ends_while_it_writes_a_segment_again(failed, small_parts, monkeypatch):
     before = inode(newest(failed.stick))
-    stop_after(failed, monkeypatch, 2)
+    stop_after(failed, 2)
     monkeypatch.setattr(folders, "_untrusted", set())
     assert is_again(failed.stick) and inode(newest(failed.stick)) == before
     assert failed.step()
     assert not is_again(failed.stick) and inode(newest(failed.stick)) != before
 
 
-def test_a_copy_that_is_being_written_reports_no_earlier_trouble(failed, small_parts, monkeypatch):
+def test_a_copy_that_is_being_written_reports_no_earlier_trouble(failed, small_parts):
     """It takes a while, and needs nobody."""
-    write, reported = CopyFolder.write, []
-    monkeypatch.setattr(CopyFolder, "write", lambda copy, part: (
-        reported.append(failed.follower.progress[:3:2]), write(copy, part)))
+    reported = []
+    failed.on_part = lambda write, part: (reported.append(failed.follower.progress[:3:2]), write(part))
     assert failed.step()
     assert reported[0][0] and not any(trouble for trouble, _ in reported[1:])
     assert reported[-1][1] > 0
@@ -670,10 +668,9 @@ def test_drafts_of_a_copy_that_is_used(failed):
 
 # -- questions ------------------------------------------------------------------------------------------
 
-def test_a_question_is_answered_when_the_copy_has_everything_up_to_it(copied, monkeypatch):
+def test_a_question_is_answered_when_the_copy_has_everything_up_to_it(copied):
     answered = []
-    copied.follower = Follower(
-        str(copied.log_dir), Stick(str(copied.stick), str(copied.log_dir)).open,
+    copied.follower = copied.new_follower(
         on_answer=lambda question: answered.append((question, len(numbers(copied.stick)) - before)))
     assert copied.step()
     before = len(numbers(copied.stick))
@@ -687,33 +684,32 @@ def test_a_question_is_answered_when_the_copy_has_everything_up_to_it(copied, mo
     copied.follower.step()
     copied.follower.step()
     assert answered == [("first", 1)]  # once
-    write = CopyFolder.write
 
-    def write_late(folder, part):
+    def write_late(write, part):
         """The core writes, and asks, while the copy is written."""
         copied.writer.entry("/notification", 3)
         copied.follower.ask("third")
-        write(folder, part)
+        write(part)
 
     copied.writer.entry("/notification", 2)
     copied.follower.ask("second")
-    with monkeypatch.context() as patch:
-        patch.setattr(CopyFolder, "write", write_late)
-        copied.follower.step()
+    copied.on_part, on_part = write_late, copied.on_part
+    copied.follower.step()
+    copied.on_part = on_part
     assert answered[1:] == [("second", 2)]
     copied.follower.step()
     assert answered[2:] == [("third", 3)]
 
 
-def test_a_journal_that_is_written_all_the_time_is_complete_in_each_step(copied, monkeypatch):
+def test_a_journal_that_is_written_all_the_time_is_complete_in_each_step(copied):
     assert copied.step()
-    before, write = len(numbers(copied.stick)), CopyFolder.write
+    before = len(numbers(copied.stick))
 
-    def write_late(folder, part):
+    def write_late(write, part):
         copied.writer.entry("/notification", "late")
-        write(folder, part)
+        write(part)
 
-    monkeypatch.setattr(CopyFolder, "write", write_late)
+    copied.on_part = write_late
     for number in range(1, 4):
         copied.mono += 1.0
         copied.writer.entry("/notification", "now")
