@@ -318,15 +318,6 @@ def test_a_run_that_is_held_stays_so_until_its_module_is_heard(tmp_path):
     assert driver.run_in("fbm").clock.left(driver.now) == pytest.approx(left - 1.0)
 
 
-def test_a_run_that_is_connected_is_not_among_those_that_are_over(tmp_path):
-    driver = box(tmp_path)
-    driver.connected("tbm")
-    driver.score(DOOR.group, DOOR.desc, 1, "tbm")
-    driver.kill()
-    assert driver.box.finished.records() == []
-    assert driver.run_in("tbm").sheet.groups()[0].items[0] == (DOOR, 1)
-
-
 def test_who_said_what(tmp_path):
     driver = box(tmp_path)
     robot = driver.connected("tbm")

@@ -133,16 +133,6 @@ def ends(tmp_path, monkeypatch):
     made.close()
 
 
-def test_a_paired_standby_gets_the_copy(ends):
-    ends.pair(ends.code().lower().replace("-", " "))
-    ends.follow()
-    ends.wait_connected()
-    ends.writer.entry("/notification", "now")
-    assert ends.is_complete()
-    ends.writer.entry("/notification", "later")
-    assert ends.is_complete()
-
-
 def test_a_standby_is_paired_once(ends):
     """Both ends may restart: the certificate and the key stay."""
     ends.pair()

@@ -237,12 +237,6 @@ def test_a_removed_copy_is_not_written(ends):
     assert "the standby reports: it was removed" in ends.follower.progress.trouble
 
 
-def test_a_box_that_restarts_opens_the_copy_at_once(ends):
-    assert ends.is_complete()
-    ends.follower = Follower(str(ends.log_dir), ends.link.open_copy)
-    assert ends.is_complete()
-
-
 def test_a_part_that_comes_again(ends):
     """It changes nothing, also if it was the last one of a segment."""
     assert ends.is_complete()
