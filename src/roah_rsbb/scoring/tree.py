@@ -264,7 +264,8 @@ class _Run:
                  and (net or _worth(self._items[mark.item], mark) >= 0 or _is_penalty(self._items[mark.item]))
                  and (at_s is None or (mark.at_s is not None and mark.at_s <= at_s))]
         sheet = self.sheet if net else replace(self.sheet, items=tuple(map(_without_penalty, self.sheet.items)))
-        return _Tree(sheet, sorted(marks, key=_when), {}, self.course).total()
+        # What the end gives, the time that was left, comes later than any incident.
+        return _Tree(sheet, sorted(marks, key=_when), {}, self.course._replace(ended=False)).total()
 
     def _is_hit(self, rule: Incident, mark: SheetMark, at_s: Optional[Fraction], until: Optional[Fraction]) -> bool:
         """Whether an incident makes a mark void."""

@@ -85,6 +85,16 @@ def test_points_that_limit_an_incident_without_and_with_penalties(net, points):
     assert worth(items, *marks, incidents=[rule], happened=[Happened("restart", Fraction(10))]).total == points
 
 
+@pytest.mark.parametrize("ended, points", [(False, 10), (True, 10 + 60)])
+def test_the_time_left_does_not_limit_an_incident_after_the_end(ended, points):
+    sheet = Sheet((row("done", 10), Item("left", "left", amount=Measure.CLOCK, points=Decimal(1))),
+                  (Incident("restart", below=Decimal(40), voids=Voids.EARLIER),), clock_s=300.0)
+    course = Course((mark("done", at=20),), (Happened("restart", Fraction(10)),), ended=ended, completed=True,
+                    elapsed_s=Fraction(240))
+    found = count(sheet, course)
+    assert (found.total, [step for step in found.steps if "no effect" in step]) == (points, [])
+
+
 @pytest.mark.parametrize("at, points", [(None, 60), (20, 60), (5, 110)])
 def test_an_incident_costs_points_only_if_some_were_scored_afterwards(at, points):
     items = row("done", 110), row("restarted", -50)
