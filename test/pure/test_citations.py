@@ -14,7 +14,8 @@ FOLDERS = ("src", "scripts", "msg", "srv", "proto", "launch", "config", "resourc
 # In a comment of several lines, a citation may continue after the sign of the next comment line.
 _BREAK = re.compile(r"\s*\n\s*(?:#|//)?\s*")
 _CITATION = re.compile(r'(?<![\w$/.-])((?:[\w-]+/)*[\w-]+\.md)((?:,| and) "[^"\n]+"(?:(?:,| and) "[^"\n]+")*)?')
-_OTHER_FORM = re.compile(r"(?:wire protocol|ROS interface|manual|benchmarks|architecture), (?:[A-Z]|section|rule)")
+_OTHER_FORM = re.compile(
+    r"(?<![\w.])(?:wire protocol|ROS interface|manual|benchmarks|architecture), (?:[A-Z]|section|rule)")
 
 
 class Citation(NamedTuple):
