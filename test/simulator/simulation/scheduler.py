@@ -206,7 +206,7 @@ class Process:
         self.is_ended = False
         self.on_end = []  # called when it ends, however it ends
         self.tasks = []  # each with its coroutine
-        self.woke = Woke(0.0, 0.0)
+        self.woke = self._waited = Woke(0.0, 0.0)
         self._hangs_until = 0.0  # true time
         self._waits = 0  # how many calls of `wait` are in progress
         self._deferred = []  # steps that became due during `wait`
@@ -222,8 +222,9 @@ class Process:
         return self.scheduler.now < self._hangs_until
 
     def hung_s(self):
-        """For how long it did nothing just before; 0: it ran."""
-        return self.woke.hung_s if self.scheduler.now - self.woke.at < JUST_S else 0.0
+        """For how long it hung or waited just before; 0: it ran."""
+        ends = [each for each in (self.woke, self._waited) if self.scheduler.now - each.at < JUST_S]
+        return max((each.hung_s for each in ends), default=0.0)
 
     def defer(self, number, handle):
         """Do a step when the process is no longer busy."""
@@ -277,6 +278,7 @@ class Process:
     def wait(self, seconds, is_over=lambda: False):
         """Within a step: let time pass for all others, as in a system call. Raises `Ended`."""
         scheduler = self.scheduler
+        began = scheduler.now - (self._waited.hung_s if scheduler.now == self._waited.at else 0.0)
         self._waits += 1
         try:
             scheduler.run(scheduler.now + seconds, lambda: self.is_ended or is_over())
@@ -284,6 +286,8 @@ class Process:
                 scheduler.run(self._hangs_until, lambda: self.is_ended)
         finally:
             self._waits -= 1
+            if scheduler.now - began > self.hung_s():
+                self._waited = Woke(scheduler.now, scheduler.now - began)
             if not self._waits:
                 deferred, self._deferred = self._deferred, []
                 for number, handle in deferred:
