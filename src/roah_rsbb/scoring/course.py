@@ -43,12 +43,12 @@ def course_of(
     kinds = {item.id: item for item in sheet.items}
     standing: Dict[str, Fraction] = {}
     entries = tuple(entries)
-    for entry, at_s in zip(entries, _moments(entries)):
+    for order, (entry, at_s) in enumerate(zip(entries, _moments(entries))):
         row = rows.get((entry.group, entry.desc))
         if entry.withdrawn_utc or row is None or entry.judge:
             continue
         if row.group == INCIDENTS:
-            _happened(incidents.setdefault(row.desc, []), row.desc, entry, at_s)
+            _happened(incidents.setdefault(row.desc, []), entry, Happened(row.desc, at_s, order=order))
             continue
         item_id = id_of(row)
         before = standing.get(item_id, Fraction(0))
@@ -57,7 +57,7 @@ def course_of(
             standing[item_id] = after
         # What takes something away corrects a mark: it is never too late.
         in_time = entry.in_time or after <= before
-        marks += [(mark._replace(at_s=at_s, in_time=in_time), entry.number)
+        marks += [(mark._replace(at_s=at_s, in_time=in_time, order=order), entry.number)
                   for mark in _marks(kinds[item_id], entry, before, after)]
     return History(Course(
         tuple(mark for mark, _ in marks), tuple(each for found in incidents.values() for each in found), True),
@@ -113,8 +113,8 @@ def _times(item_id: str, percent: Fraction) -> List[SheetMark]:
     return found + ([SheetMark(item_id, share=part / 100)] if part else [])
 
 
-def _happened(found: List[Happened], name: str, entry: ScoreEntry, at_s: object) -> None:
+def _happened(found: List[Happened], entry: ScoreEntry, happened: Happened) -> None:
     """Enter how often an incident happened."""
     number = len(found) + int(Decimal(entry.added)) if entry.added else entry.value
     del found[max(0, number):]
-    found += [Happened(name, at_s)] * (number - len(found))  # type: ignore[arg-type]
+    found += [happened] * (number - len(found))

@@ -51,6 +51,7 @@ class SheetMark(NamedTuple):
     in_time: bool = False  # the referee said so: it is not late
     refused: str = ""  # why it must not count
     name: str = ""  # what a row that was made at the event is called
+    order: int = 0  # what has the same time came in this order
 
 
 class Happened(NamedTuple):
@@ -60,6 +61,7 @@ class Happened(NamedTuple):
     at_s: Optional[Fraction] = None
     facts: Mapping[str, object] = {}
     since: Optional[Fraction] = None  # it comes by itself, unless something has ended what began then
+    order: int = 0  # see `SheetMark.order`
 
 
 class Course(NamedTuple):
@@ -70,7 +72,7 @@ class Course(NamedTuple):
     clock_counts: bool = False  # times are of the counted clock, which pauses have stopped already
     ended: bool = False
     completed: bool = False  # the robot completed the run
-    elapsed_s: Fraction = ZERO  # counted seconds until the end
+    elapsed_s: Fraction = ZERO  # counted seconds until the end; 0: not known
 
 
 class Worth(NamedTuple):
@@ -121,7 +123,8 @@ class _Run:
         self._items = {item.id: item for item in sheet.items}
         self._marks = course.marks
         self._held: Dict[str, List[Optional[Fraction]]] = {}  # incident -> when it had an effect
-        self._costs_later: List[Tuple[str, Optional[Fraction]]] = []  # items, if points are scored after these times
+        self._costs_later: List[Tuple[str, Happened]] = []  # items, if points are scored after these incidents
+        self._pauses = [] if course.clock_counts else self._find_pauses()
         # Facts about incidents that are on the sheet.
         self._facts: Dict[str, object] = {mark.item: mark.text or mark.number for mark in course.marks}
         self._void: Dict[int, str] = {}
@@ -134,8 +137,8 @@ class _Run:
             rule = self.rules.get(happened.incident, Incident(happened.incident))
             if not self._is_over(rule, happened):
                 self._take(rule, happened)
-        for item, at_s in self._costs_later:
-            if self._scored_after(at_s):
+        for item, happened in self._costs_later:
+            if self._scored_after(happened):
                 self._decide(item)
         return self._steps, self._void
 
@@ -161,39 +164,67 @@ class _Run:
     def _name(self, mark: SheetMark) -> str:
         return mark.name or self.names[mark.item]
 
+    def _find_pauses(self) -> List[Tuple[Fraction, Optional[Fraction]]]:
+        """Return when the counted clock was paused, in order: from when, until when."""
+        found = []
+        for rule in self.sheet.incidents:
+            begun = sorted((each for each in self.course.incidents if each.incident == rule.name), key=_when)
+            for start in begun[:rule.times] if rule.pauses else ():
+                if start.at_s is not None:
+                    end = self._end_of(rule, start)
+                    found.append((start.at_s, None if end is None else end.at_s))
+        return sorted(found, key=lambda pause: pause[0])
+
     def _counted(self, wall_s: Optional[Fraction]) -> Optional[Fraction]:
         """Return the counted time of a wall time: without the pauses before it."""
-        if wall_s is None or self.course.clock_counts:
-            return wall_s
+        if wall_s is None:
+            return None
         paused = done = ZERO
-        for start in sorted(self.course.incidents, key=_when):
-            rule = self.rules.get(start.incident)
-            if rule is not None and rule.pauses and start.at_s is not None and start.at_s < wall_s:
-                end = min(wall_s, self._end_of(rule, start) or wall_s)
-                paused += max(ZERO, end - max(start.at_s, done))
+        for begin, until in self._pauses:
+            if begin < wall_s:
+                end = wall_s if until is None else min(wall_s, until)
+                paused += max(ZERO, end - max(begin, done))
                 done = max(done, end)
         return wall_s - paused
 
-    def _end_of(self, rule: Incident, start: Happened) -> Optional[Fraction]:
-        """Return when an incident was ended; None: it was not."""
-        return min((each.at_s for each in self.course.incidents if each.incident in rule.ends
-                    and each.at_s is not None and start.at_s is not None and each.at_s >= start.at_s), default=None)
+    def _after(self, wall_s: Fraction, seconds: Fraction) -> Optional[Fraction]:
+        """Return when so many counted seconds are over; None: never, because a pause does not end."""
+        due, done = wall_s + seconds, wall_s
+        for begin, until in self._pauses:
+            if begin < due and (until is None or until > done):
+                if until is None:
+                    return None
+                due += until - max(begin, done)
+                done = until
+        return due
+
+    def _end_of(self, rule: Incident, start: Happened) -> Optional[Happened]:
+        """Return what ended an incident; None: nothing did."""
+        return min((each for each in self.course.incidents if each.incident in rule.ends and each.at_s is not None
+                    and start.at_s is not None and _moment(each) >= _moment(start)), key=_moment, default=None)
 
     def _by_themselves(self) -> List[Happened]:
-        """Return the incidents that follow from others because a time is over, unless something ends these before."""
+        """Return the incidents that follow from others because a time is over, unless something ends these before, or
+        the run ended before."""
         found = []
         times = [*(mark.at_s for mark in self._marks), *(each.at_s for each in self.course.incidents)]
         now = max((at_s for at_s in times if at_s is not None), default=ZERO)  # as far as is known
+        limits = [None if self.sheet.limit_s is None else Fraction(self.sheet.limit_s),
+                  self.course.elapsed_s if self.course.ended and self.course.elapsed_s else None]
+        end = min((limit for limit in limits if limit is not None), default=None)
+        last = max((each.order for each in self.course.incidents), default=0) + 1
         for rule in self.sheet.incidents:
             for start in self.course.incidents if rule.of else ():
                 if start.incident != rule.of or start.at_s is None or rule.after is None:
                     continue
-                due = start.at_s + Fraction(rule.after)
+                due = self._after(start.at_s, Fraction(rule.after))
                 for longer in self._extensions(rule):
-                    if longer.at_s is not None and longer.at_s <= due:
-                        due = max(due, longer.at_s + self._seconds(rule, longer))
-                if self.course.ended or due <= now:
-                    found.append(Happened(rule.name, due, since=start.at_s))
+                    if due is not None and longer.at_s is not None and longer.at_s <= due:
+                        extended = self._after(longer.at_s, self._seconds(rule, longer))
+                        due = None if extended is None else max(due, extended)
+                if due is not None and (end is None or (self._counted(due) or ZERO) <= end) and (
+                        self.course.ended or due <= now):
+                    found.append(Happened(rule.name, due, since=start.at_s, order=last))
         return found
 
     def _extensions(self, rule: Incident) -> List[Happened]:
@@ -202,7 +233,8 @@ class _Run:
 
     def _seconds(self, rule: Incident, longer: Happened) -> Fraction:
         # Who does not say how long asks for all that is allowed.
-        asked = Fraction(str(longer.facts.get("seconds") or rule.longer or 0))
+        asked = _number_of(longer.facts.get("seconds"))
+        asked = Fraction(rule.longer or 0) if asked is None else max(ZERO, asked)
         return asked if rule.longer is None else min(asked, Fraction(rule.longer))
 
     def _is_over(self, rule: Incident, happened: Happened) -> bool:
@@ -227,7 +259,7 @@ class _Run:
         self._held.setdefault(rule.name, []).append(at_s)
         until = self._end_of(rule, happened)
         for index, mark in enumerate(self._marks if rule.voids is not Voids.NOTHING else ()):
-            if index not in self._void and self._is_hit(rule, mark, at_s, until):
+            if index not in self._void and self._is_hit(rule, mark, happened, until or happened):
                 time = _at(self._counted(mark.at_s))
                 self._drop(index, VOID(item=self._name(mark), time=time, incident=rule.name))
         if rule.marks and not rule.scored_after:
@@ -235,7 +267,7 @@ class _Run:
             choices = (choice.name for choice in self._items[rule.marks].choices)
             self._decide(rule.marks, next((name for name in choices if name in words), ""))
         elif rule.marks:
-            self._costs_later.append((rule.marks, at_s))
+            self._costs_later.append((rule.marks, happened))
         self.replaces = self.replaces or rule.voids is Voids.EARLIER_RUNS
 
     def _decide(self, item: str, choice: str = "") -> None:
@@ -252,44 +284,54 @@ class _Run:
         for why in (*lacking, *barring):
             return NO_EFFECT(incident=rule.name, time=_at(at_s), why=why)
         if rule.below is not None:
-            points = self._so_far(happened.at_s, rule.net)
+            points = self._so_far(happened, rule.net)
             if points >= Fraction(rule.below):
                 return TOO_LATE(incident=rule.name, time=_at(at_s), points=number_text(points),
                                 below=number_text(Fraction(rule.below)))
         return ""
 
-    def _so_far(self, at_s: Optional[Fraction], net: bool) -> Fraction:
-        """Return the points until a time: without penalties, unless they count."""
+    def _so_far(self, happened: Happened, net: bool) -> Fraction:
+        """Return the points until an incident: without penalties, unless they count."""
         marks = [mark for index, mark in enumerate(self._marks) if index not in self._void
                  and (net or _worth(self._items[mark.item], mark) >= 0 or _is_penalty(self._items[mark.item]))
-                 and (at_s is None or (mark.at_s is not None and mark.at_s <= at_s))]
+                 and (happened.at_s is None or (mark.at_s is not None and _moment(mark) <= _moment(happened)))]
         sheet = self.sheet if net else replace(self.sheet, items=tuple(map(_without_penalty, self.sheet.items)))
         # What the end gives, the time that was left, comes later than any incident.
         return _Tree(sheet, sorted(marks, key=_when), {}, self.course._replace(ended=False)).total()
 
-    def _is_hit(self, rule: Incident, mark: SheetMark, at_s: Optional[Fraction], until: Optional[Fraction]) -> bool:
+    def _is_hit(self, rule: Incident, mark: SheetMark, happened: Happened, until: Happened) -> bool:
         """Whether an incident makes a mark void."""
         if rule.voids is Voids.ALL:
             return True
-        if at_s is None or mark.at_s is None:
+        if happened.at_s is None or mark.at_s is None:
             return False
         if rule.voids is Voids.LATER:
-            return mark.at_s > at_s
+            return mark.at_s > happened.at_s
         if rule.voids is Voids.EARLIER_POINTS and _worth(self._items[mark.item], mark) < 0:
             return False
-        return rule.voids in (Voids.EARLIER, Voids.EARLIER_POINTS) and mark.at_s <= max(at_s, until or at_s)
+        return rule.voids in (Voids.EARLIER, Voids.EARLIER_POINTS) and _moment(mark) <= _moment(until)
 
-    def _scored_after(self, at_s: Optional[Fraction]) -> bool:
-        """Whether points were scored after a time."""
-        return at_s is not None and any(
-            (mark.at_s is None or mark.at_s > at_s) and index not in self._void
+    def _scored_after(self, happened: Happened) -> bool:
+        """Whether points were scored after an incident."""
+        return happened.at_s is not None and any(
+            (mark.at_s is None or _moment(mark) > _moment(happened)) and index not in self._void
             and _worth(self._items[mark.item], mark) > 0 for index, mark in enumerate(self._marks))
 
 
-def _when(each: object) -> Tuple[bool, Fraction]:
+def _moment(each: object) -> Tuple[Fraction, int]:
+    """Order by time, and by the order in which what has the same time came. Of times that are known."""
+    return each.at_s or ZERO, each.order  # type: ignore[attr-defined]
+
+
+def _when(each: object) -> Tuple[bool, Tuple[Fraction, int]]:
     """Order by time; what has none comes last."""
-    at_s = each.at_s  # type: ignore[attr-defined]
-    return at_s is None, at_s or ZERO
+    return each.at_s is None, _moment(each)  # type: ignore[attr-defined]
+
+
+def _number_of(fact: object) -> Optional[Fraction]:
+    """Return a fact that is a number; None: it is none."""
+    return Fraction(str(fact)) if isinstance(fact, (int, float, Decimal, Fraction)) and not isinstance(
+        fact, bool) else None
 
 
 def _at(at_s: Optional[Fraction]) -> str:
@@ -307,7 +349,8 @@ def _holds(fact: Condition, facts: Mapping[str, object]) -> bool:
         return value == fact.text
     if value is None or fact.least is None:
         return bool(value)
-    return not isinstance(value, str) and Fraction(str(value)) >= Fraction(fact.least)
+    number = _number_of(value)
+    return number is not None and number >= Fraction(fact.least)
 
 
 def _worth(item: Item, mark: SheetMark) -> Fraction:

@@ -1,5 +1,6 @@
 """The rules of a sheet in the book of a run: incidents, late marks, percentages; taken back, restarted, corrected."""
 
+from dataclasses import replace
 from decimal import Decimal
 
 import pytest
@@ -110,6 +111,22 @@ def test_a_late_mark_that_takes_away_corrects():
     book = Book().at(100, "Finds an object", added="3").end(420).at(430, "Finds an object", added="-1")
     assert book.total() == "20"
     assert book.at(440, "Finds an object", 1).total() == "10"
+
+
+def test_what_is_entered_after_the_end_counts_in_its_order():
+    """The clock has stopped at the end, so all of it has one time."""
+    book = Book().at(20, "Finds an object", added="3").end(200, "completed").incident(210, "restart")
+    assert book.total() == "0"
+    assert book.at(215, "Finds an object", added="2").at(220, "Drops an object", added="1").total() == "0"
+    assert book.at(230, "Finds an object", added="5").total() == "30"
+    assert book.incident(240, "restart").total() == "30"  # only one is allowed
+
+
+def test_points_after_a_restart_that_was_entered_after_the_end():
+    costs = replace(SHEET, incidents=(Incident("restart", marks="away", scored_after=True),))
+    book = Book(costs).at(20, "Finds an object", added="3").end(200, "completed").incident(210, "restart")
+    assert book.total() == "30"
+    assert book.at(215, "Finds an object", added="2").total() == "-450"
 
 
 def test_times_with_their_own_percentages():

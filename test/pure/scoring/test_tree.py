@@ -1,5 +1,6 @@
 """What a sheet is worth: rows that depend on other rows, and on when they were marked."""
 
+from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 
@@ -116,6 +117,57 @@ REMOVED = Incident("removed", of="inactive", after=Decimal(30), ends=("active ag
 def test_the_second_in_which_a_time_is_over(happened, points):
     incidents = [Happened(name, Fraction(at_s), {"seconds": 60}) for name, at_s in [("inactive", 60), *happened]]
     found = worth([row("done", 10)], mark("done", at=90), mark("done", at=120), incidents=[REMOVED], happened=incidents)
+    assert found.total == points
+
+
+@pytest.mark.parametrize("seconds, points", [(20, 10), (0, 10), (40, 20), (None, 20), ("soon", 20)])
+def test_who_does_not_say_how_long_asks_for_all_that_is_allowed(seconds, points):
+    incidents = Happened("inactive", Fraction(60)), Happened("longer time", Fraction(70), {"seconds": seconds})
+    found = worth([row("done", 10)], mark("done", at=80), mark("done", at=100), happened=incidents,
+                  incidents=[replace(REMOVED, longer=Decimal(60))])
+    assert found.total == points
+
+
+@pytest.mark.parametrize("pauses, points", [
+    ([("pause", 70), ("resume", 100)], 20), ([("pause", 70), ("resume", 85)], 10), ([("pause", 70)], 20),
+    ([("pause", 50), ("resume", 65)], 10), ([("pause", 50), ("resume", 86)], 20),
+    ([("pause", 60), ("resume", 60)], 10), ([("pause", 60), ("pause", 61)], 20),
+    ([("pause", 89), ("resume", 90), ("pause", 90), ("resume", 114)], 20),
+])
+def test_a_pause_is_no_inactivity(pauses, points):
+    times = [("inactive", 60), *pauses, ("active again", 115)]
+    found = worth([row("done", 10)], mark("done", at=20), mark("done", at=118),
+                  incidents=[REMOVED, Incident("pause", pauses=True, ends=("resume",))],
+                  happened=[Happened(name, Fraction(at_s), order=order) for order, (name, at_s) in enumerate(times)])
+    assert found.total == points
+
+
+@pytest.mark.parametrize("pauses, points", [
+    ([("pause", 0), ("resume", 0)], 0), ([("pause", 0), ("resume", 50)], 10),
+    ([("pause", 10), ("resume", 35), ("pause", 40), ("resume", 65)], 0),  # only one is allowed
+    ([("pause", 10), ("pause", 20), ("resume", 60)], 10),
+])
+def test_the_time_limit_with_pauses(pauses, points):
+    sheet = Sheet((row("done", 10),), (Incident("pause", times=1, pauses=True, ends=("resume",)),), Decimal(100))
+    happened = tuple(Happened(name, Fraction(at_s)) for name, at_s in pauses)
+    assert count(sheet, Course((mark("done", at=150),), happened)).total == points
+
+
+@pytest.mark.parametrize("limit_s, elapsed_s, points", [
+    (None, 0, 0), (100, 0, 0), (90, 0, 0), (89, 0, 10), (100, 90, 0), (100, 80, 10), (None, 80, 10),
+])
+def test_what_comes_by_itself_does_not_come_after_the_end(limit_s, elapsed_s, points):
+    removed = replace(REMOVED, voids=Voids.ALL)
+    sheet = Sheet((row("done", 10),), (removed,), None if limit_s is None else Decimal(limit_s))
+    found = count(sheet, Course((mark("done", at=20),), (Happened("inactive", Fraction(60)),), ended=True,
+                                elapsed_s=Fraction(elapsed_s)))
+    assert found.total == points
+
+
+@pytest.mark.parametrize("minutes, points", [(60, 0), (59, -500), ("60", -500), (True, -500), (None, -500)])
+def test_a_fact_of_which_there_must_be_enough(minutes, points):
+    rule = Incident("absent", marks="away", unless=(Condition("announced", Decimal(60)),))
+    found = worth([row("away", -500)], incidents=[rule], happened=[Happened("absent", facts={"announced": minutes})])
     assert found.total == points
 
 

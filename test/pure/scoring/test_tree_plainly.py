@@ -137,11 +137,11 @@ def plain_total(sheet, course):
                     restarting = min(later, default=None)
                     restarts_at.append(now)
             elif name == "inactive":
-                due = max(now + 30, until or 0) if due is None else due
+                due = max(counted + 30, until or 0) if due is None else due
             elif name == "active again":
                 due = None
             elif name == "longer time" and until is None:
-                until = now + min(60, each.facts["seconds"])
+                until = counted + min(60, each.facts["seconds"])
                 due = None if due is None else max(due, until)
             elif name == "removed":
                 removed = True
@@ -149,7 +149,7 @@ def plain_total(sheet, course):
                 lost = True
                 if name == "cheating":
                     shown["cheating"] = shown.get("cheating", 0) + 1
-        removed = removed or (due is not None and now >= due)
+        removed = removed or (due is not None and LIMIT_S >= counted >= due)
     live += [mark for mark in course.marks if mark.at_s is None and not mark.refused]
     live = [] if lost else live
     if rules["restart"].marks and restarts_at:  # each costs something if points that count were scored after it
