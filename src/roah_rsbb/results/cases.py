@@ -18,10 +18,12 @@ from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.decisions import beside
 from roah_rsbb.rulebook.errors import known
 from roah_rsbb.rulebook.standing_rules import StandingRules, read_rules
+from roah_rsbb.scoring.points import number_of as decimal_of
 from roah_rsbb.scoring.stages import Result, StageRanking, number_of, rank
 from roah_rsbb.scoring.tree import ONE, Course, Happened, SheetMark, Worth, count, number_text
 from roah_rsbb.wording.texts import did_you_mean
 
+_DIGITS = 10  # of a number of a case
 BENCHMARKS, STANDINGS = "benchmarks.yaml", "standings.yaml"
 FREE = "other"  # id of the row that takes points with a reason
 # What incidents are called where the event has another name; others have blanks for underscores.
@@ -63,7 +65,7 @@ def read_folder(folder: str, included: str, decisions: Mapping[str, str]) -> Cas
         for path in filter(None, (benchmarks, standings)):
             with open(path, encoding="utf-8") as file:
                 texts[path] = file.read()
-        texts[beside(benchmarks)] = json.dumps(dict(decisions), ensure_ascii=False)
+        texts[beside(benchmarks)] = json.dumps(_as(dict, decisions, "decisions"), ensure_ascii=False)
     with known(texts):
         found = load_benchmarks(benchmarks)
         ranking = read_rules(standings, list(found)) if standings else StandingRules()
@@ -75,7 +77,7 @@ def answer(case: Mapping[str, Any], rules: CaseRules) -> CaseAnswer:
     if case.get("kind") == "standings":
         return _standings(case, rules)
     benchmark = _benchmark(str(case.get("sheet", "")), rules)
-    attempts = case.get("attempts") or [case]
+    attempts = [_as(dict, each, "attempt") for each in _as(list, case.get("attempts") or [], "attempts")] or [case]
     worths = [_worth(attempt, benchmark) for attempt in attempts]
     if len(worths) == 1:
         found, steps = worths[0]
@@ -121,8 +123,9 @@ def _benchmark(title: str, rules: CaseRules) -> Benchmark:
 def _worth(attempt: Mapping[str, Any], benchmark: Benchmark) -> Tuple[Worth, Tuple[str, ...]]:
     """Return what an attempt is worth, and the steps."""
     sheet = benchmark.sheet
-    marks = [mark for entry in attempt.get("marks", ()) for mark in _marks(entry, sheet)]
-    happened = [_happened(event) for event in attempt.get("events", ())]
+    marks = [mark for entry in _as(list, attempt.get("marks") or [], "marks") for mark in _marks(entry, sheet)]
+    events = _as(list, attempt.get("events") or [], "events")
+    happened = [_happened(event)._replace(order=order) for order, event in enumerate(events)]
     names = {incident.name for incident in sheet.incidents}
     unknown = [f"{each.incident}: no rule about it" for each in happened if each.incident not in names]
     limit = Fraction(sheet.limit_s or 0)
@@ -156,7 +159,7 @@ def _marks(entry: Sequence[Any], sheet: Sheet) -> List[SheetMark]:
     """Return a mark; several if it takes more points than one time of its row has."""
     if not isinstance(entry, list) or len(entry) < 2:
         raise NotPossible(f"{entry!r} is not a mark: write [name of the row, how often, {{options}}]")
-    text, number, options = entry[0], entry[1], (*entry, {})[2] or {}
+    text, number, options = entry[0], entry[1], _as(dict, (*entry, {})[2] or {}, "options of a mark")
     item = _row(str(text), options, sheet)
     mark = SheetMark(
         item.id, _number(number), text=str(options.get("choice", "")), at_s=_seconds(options.get("t")),
@@ -199,17 +202,37 @@ def _of_amount(mark: SheetMark, amount: Fraction, item: Item, sheet: Sheet) -> L
     return [mark._replace(number=mark.number * number, share=share) for number, share in shares if number and share]
 
 
-def _happened(event: Mapping[str, Any]) -> Happened:
+def _happened(event: Any) -> Happened:
+    event = _as(dict, event, "event")
     kind = str(event.get("type", ""))
-    facts = {key.replace("_", " "): value for key, value in event.items() if key not in ("t", "type")}
+    facts = {key.replace("_", " "): _fact(key, value) for key, value in event.items() if key not in ("t", "type")}
     return Happened(_INCIDENTS.get(kind, kind.replace("_", " ")), _seconds(event.get("t")), facts)
 
 
+def _fact(key: str, value: Any) -> object:
+    """Return a fact about an event: a number also where it is written as a text."""
+    if value is None or isinstance(value, bool):
+        return value
+    if not isinstance(value, (str, int, float)):
+        raise NotPossible(f"{value!r} as {key!r} of an event: write a number, a text, true or false")
+    return _number(value) if not isinstance(value, str) or decimal_of(value) is not None else value
+
+
+def _as(kind: type, value: Any, what: str) -> Any:
+    """Return a value that has this kind."""
+    if not isinstance(value, kind):
+        expected = "a list [...]" if kind is list else "a map {...}"
+        raise NotPossible(f"{value!r} as {what} of a case: write {expected} (docs/results.md)")
+    return value
+
+
 def _number(value: Any) -> Fraction:
-    try:
-        return Fraction(str(value))
-    except ValueError:
-        raise NotPossible(f"{value!r} is not a number") from None
+    number = decimal_of(str(value))
+    if number is None:
+        raise NotPossible(f"{value!r} is not a number")
+    if number and not -100 < number.adjusted() < _DIGITS:
+        raise NotPossible(f"{value!r} is no number of a case: write one with less than {_DIGITS} digits")
+    return Fraction(number)
 
 
 def _seconds(time: Any) -> Optional[Fraction]:
@@ -232,16 +255,18 @@ def _standings(case: Mapping[str, Any], rules: CaseRules) -> CaseAnswer:
         raise NotPossible("the rules have no stages: see 'stages' in standings.yaml (docs/results.md)")
     results: Dict[str, Dict[str, List[Result]]] = {}
     adjusted: List[Adjusted] = []
-    for team, own in case.get("teams", {}).items():
-        for test, attempts in own.get("attempts", {}).items():
+    teams = _as(dict, case.get("teams") or {}, "teams")
+    for team, own in teams.items():
+        own = _as(dict, own, f"the team {team}")
+        for test, attempts in _as(dict, own.get("attempts") or {}, f"attempts of {team}").items():
             code = _benchmark(test, rules).code
-            results.setdefault(code, {})[team] = [
-                Result(None if points is None else _number(points)) for points in attempts]
-        adjusted += [_adjusted(team, stages[0], *given) for given in own.get("team_adjustments", ())]
-    for team, points in case.get("final", {}).items():
-        results.setdefault(_last_test(stages), {})[team] = [Result(_number(points))]
+            results.setdefault(code, {})[team] = _results(_as(list, attempts, f"attempts of {team} at {test}"))
+        adjusted += [_adjusted(team, stages[0], given) for given in
+                     _as(list, own.get("team_adjustments") or [], f"team_adjustments of {team}")]
+    for team, points in _as(dict, case.get("final") or {}, "final").items():
+        results.setdefault(_last_test(stages), {})[team] = _results([points])
     attempts_by_test = {code: own.attempts for code, own in rules.ranking.items()}
-    ranked = rank(stages, results, attempts_by_test, adjusted, list(case.get("teams", {})))
+    ranked = rank(stages, results, attempts_by_test, adjusted, list(teams))
     return CaseAnswer(Fraction(0), tuple(text for each in ranked for text in (*each.notes, *each.steps)), {
         "totals": {line.team: plain(line.total) for line in ranked[0].lines if line.total is not None},
         "finalists": list(next((each.advance for each in ranked if each.stage.advance), ())),
@@ -249,10 +274,20 @@ def _standings(case: Mapping[str, Any], rules: CaseRules) -> CaseAnswer:
     })
 
 
-def _adjusted(team: str, stage: Stage, reason: str, points: Any) -> Adjusted:
+def _results(attempts: Sequence[Any]) -> List[Result]:
+    """Return the attempts of a team: null is none."""
+    return [Result(_number(points)) for points in attempts if points is not None]
+
+
+def _adjusted(team: str, stage: Stage, given: Any) -> Adjusted:
     """Return what a team was given: by its name, or the adjustment that has these points."""
-    names = [each.name for each in stage.adjustments if reason == each.name or each.points == Decimal(str(points))]
-    return Adjusted(team, stage.name, names[0] if names else reason, Decimal(str(points)), reason)
+    if not isinstance(given, list) or not 1 <= len(given) <= 2:
+        raise NotPossible(f"{given!r} as an adjustment of {team}: write [reason, points]")
+    reason, number = str(given[0]), _number((*given, 0)[1] or 0)
+    points = Decimal(number.numerator) / number.denominator
+    names = [each.name for each in stage.adjustments if reason == each.name] or [
+        each.name for each in stage.adjustments if each.points == points]
+    return Adjusted(team, stage.name, names[0] if names else reason, points, reason)
 
 
 def _last_test(stages: Sequence[Stage]) -> str:

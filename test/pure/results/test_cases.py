@@ -85,6 +85,17 @@ def test_cases_for_programs(capsys, tmp_path):
     ({"sheet": GPSR, "marks": [["x", 1, {"i": 0, "t": "soon"}]]}, [], "'soon' is not a number"),
     ({**CASE, "decisions": {"Floor of an objectiv": "each time"}}, [], "unknown choice 'Floor of an objectiv'"),
     ({**CASE, "decisions": {"Floor of an objective": "sometimes"}}, [], "as reading of 'Floor of an objective'"),
+    ({"sheet": GPSR, "marks": [["x", "1/0", {"i": 0}]]}, [], "'1/0' is not a number"),
+    ({"sheet": GPSR, "marks": [["x", "1e99999", {"i": 0}]]}, [], "'1e99999' is no number of a case: write one with"),
+    ({"sheet": GPSR, "marks": [["x", 1, "0"]]}, [], "'0' as options of a mark of a case: write a map"),
+    ({"sheet": GPSR, "marks": {"Understands": 1}}, [], "as marks of a case: write a list"),
+    ({"sheet": GPSR, "events": ["restarted"]}, [], "'restarted' as event of a case: write a map"),
+    ({"sheet": GPSR, "events": [{"type": "absent", "announced_min_before": [60]}]}, [],
+     "[60] as 'announced_min_before' of an event: write a number, a text"),
+    ({**CASE, "decisions": ["each time"]}, [], "['each time'] as decisions of a case: write a map"),
+    ({"kind": "standings", "teams": {"A": [100]}}, [], "[100] as the team A of a case: write a map"),
+    ({"kind": "standings", "teams": {"A": {"attempts": {"GPSR": 100}}}}, [], "100 as attempts of A at GPSR of a case"),
+    ({"kind": "standings", "teams": {"A": {"team_adjustments": ["untidy"]}}}, [], "write [reason, points]"),
     (CASE, ["--rulebook", "athome2027"], "no rulebook 'athome2027'"),
     ({**CASE, "kind": "standings"}, ["--rulebook", "erl2019"], "no stages"),
     ("{", [], "is not JSON"),
@@ -93,3 +104,28 @@ def test_what_does_not_fit_together(capsys, tmp_path, content, options, error):
     status, out, err = tried(capsys, tmp_path, content, *options)
     assert (status, out) == (1, "")
     assert error in err
+
+
+@pytest.mark.parametrize("attempts, decisions, total", [
+    ({"Restaurant": [None, 300]}, {}, 300),
+    ({"GPSR": [300, None]}, {"Attempts that count": "last"}, 300),
+    ({"GPSR": [None, -500]}, {}, -500),
+    ({"GPSR": [None]}, {}, 0),
+])
+def test_what_was_not_attempted_is_no_attempt(attempts, decisions, total):
+    case = {"kind": "standings", "teams": {"A": {"attempts": attempts}}, "final": {"A": None}}
+    assert answer(case, rules(*decisions.items())).as_json()["totals"] == {"A": total}
+
+
+@pytest.mark.parametrize("reason, total", [("Another decision of the committee", -500), ("Nobody came", -250)])
+def test_an_adjustment_is_known_by_its_name_or_else_by_its_points(reason, total):
+    given = [["No referee or assistant provided", -250], [reason, -250]]
+    case = {"kind": "standings", "teams": {"A": {"team_adjustments": given}}}
+    found = answer(case, rules(("Nobody provided as referee", "once")))
+    assert found.as_json()["totals"] == {"A": total}
+
+
+@pytest.mark.parametrize("minutes, points", [(60, 0), ("60", 0), (59.9, -500), (None, -500), (True, -500), ("x", -500)])
+def test_when_an_absence_was_announced(minutes, points):
+    case = {"sheet": GPSR, "events": [{"t": None, "type": "absent", "announced_min_before": minutes}], "marks": None}
+    assert answer(case, rules()).points == points
