@@ -210,7 +210,7 @@ class _Run:
         times = [*(mark.at_s for mark in self._marks), *(each.at_s for each in self.course.incidents)]
         now = max((at_s for at_s in times if at_s is not None), default=ZERO)  # as far as is known
         limits = [None if self.sheet.limit_s is None else Fraction(self.sheet.limit_s),
-                  self.course.elapsed_s if self.course.ended and self.course.elapsed_s else None]
+                  max(self.course.elapsed_s, now) if self.course.ended and self.course.elapsed_s else None]
         end = min((limit for limit in limits if limit is not None), default=None)
         last = max((each.order for each in self.course.incidents), default=0) + 1
         for rule in self.sheet.incidents:
