@@ -106,7 +106,8 @@ class Shown:
         elapsed, limit = believed.phases[believed.place - 1].read(now), rules.phases[believed.place - 1].limit
         if abs(clock.phase_elapsed.at(mono) - elapsed) > most:
             self._fail("phases", f"{identity}: {clock.phase_elapsed.at(mono):.2f} s of its phase, not {elapsed:.2f} s")
-        if elapsed > limit + WARNED_S + most and not believed.is_paused and not any(
+        late_s = self._world.box.process.hung_s()  # it looked at no time meanwhile
+        if elapsed > limit + WARNED_S + late_s + most and not believed.is_paused and not any(
                 clock.phase_name in text for text in seen.warnings):
             self._fail("warning", f"{identity} is in phase {believed.place} since {elapsed:.1f} s: {seen.warnings}")
 
