@@ -6,7 +6,7 @@ read, then the names that they refer to are found.
 
 from dataclasses import replace
 from decimal import Decimal
-from typing import Dict, Iterator, List, NamedTuple, Optional, Set, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.rules import Condition, Incident, Item, ItemChoice, JuryResult, Measure, Sheet, Voids
 from roah_rsbb.model.scoring import MAX_NUMBER, MAX_VALUE
@@ -58,6 +58,7 @@ _INCIDENT = {
     "of": "inactive", "after": "30", "longer_by": "longer time", "longer": "180", "requests": "1",
 }
 _VOIDS = {each.value: each for each in Voids}
+_MAX_DEPTH = 100  # rows that depend on each other, one after the other
 _NO_SECONDS = Decimal("0.001")
 
 
@@ -373,22 +374,25 @@ class _Circles:
         self._rows = rows
         self._under: Dict[str, List[str]] = {}
         self._by: Dict[str, List[str]] = {}  # row -> the rows that withhold it
+        self._depths: Dict[str, int] = {}  # row -> how many rows its conditions ask, one after the other
         for row_id, row in rows.items():
             self._under.setdefault(row.item.under, []).append(row_id)
             for other in row.item.withholds:
                 self._by.setdefault(other, []).append(row_id)
 
     def report_one(self) -> None:
-        """Report the first circle."""
-        for row_id in self._rows:
-            path = self._path(row_id)
-            if path:
-                node = next(each.got[key] for each in self._with_those_above(path)
-                            for key in ("needs", "unless", "withholds") if key in each.got)
-                names = ", ".join(quote(self._rows[each].item.name) for each in path)
-                self._report.error(node.place, f"conditions that depend on each other: {names}",
-                                   "one of these rows without 'needs', 'unless' or 'withholds'")
-                return
+        """Report the first circle, or else the first row that depends on too many others."""
+        path = self._circle()
+        if path:
+            node = next(each.got[key] for each in self._with_those_above(path)
+                        for key in ("needs", "unless", "withholds") if key in each.got)
+            names = ", ".join(quote(self._rows[each].item.name) for each in path)
+            self._report.error(node.place, f"conditions that depend on each other: {names}",
+                               "one of these rows without 'needs', 'unless' or 'withholds'")
+        deep = next((row for row_id, row in self._rows.items() if self._depths.get(row_id, 0) > _MAX_DEPTH), None)
+        if deep is not None:
+            found = f"{quote(deep.item.name)}, which depends on more than {_MAX_DEPTH} rows, one after the other"
+            self._report.error(deep.place, found, "conditions that name fewer rows, such as the first or the last one")
 
     def _with_those_above(self, path: Tuple[str, ...]) -> Iterator[_Row]:
         for row_id in path:
@@ -409,18 +413,22 @@ class _Circles:
             found += [*(each.item for each in (*row.item.needs, *row.item.unless)), *self._by.get(row.item.id, ())]
         return found
 
-    def _path(self, start: str) -> Tuple[str, ...]:
-        """Return a path of conditions from a row to itself; empty: there is none."""
-        paths: List[Tuple[str, ...]] = [(start,)]
-        seen: Set[str] = set()
-        while paths:
-            path = paths.pop()
-            for row_id in self._asked(path[-1]):
-                if row_id == start:
-                    return path
-                if row_id not in seen:
-                    seen.add(row_id)
-                    paths.append((*path, row_id))
+    def _circle(self) -> Tuple[str, ...]:
+        """Return a path of conditions from a row to itself; empty: there is none. Finds how deep the others are."""
+        for start in self._rows:
+            path = {} if start in self._depths else {start: iter(self._asked(start))}
+            while path:
+                row_id = next(reversed(path))
+                other = next(path[row_id], None)
+                if other in path:
+                    names = tuple(path)
+                    return names[names.index(other or ""):]
+                if other is None:
+                    asked = (self._depths[each] for each in self._asked(row_id))
+                    self._depths[row_id] = 1 + max(asked, default=0)
+                    del path[row_id]
+                elif other not in self._depths:
+                    path[other] = iter(self._asked(other))
         return ()
 
 

@@ -106,7 +106,9 @@ def choice(
     if node is None:
         return None
     word = node.text if isinstance(node, Scalar) else ""
-    return word if word in choices else _wrong(report, node, what, expected + did_you_mean(word, choices))
+    if word in choices:
+        return word
+    return _wrong(report, node, what, expected + (did_you_mean(word, choices) if choices else ""))
 
 
 def _number_shape(unit: str, above: Optional[float], least: Optional[float], most: Optional[float]) -> str:
@@ -249,7 +251,7 @@ def fields(
         return None
     if not isinstance(node, Mapping):
         shape = ", ".join(f"{key}: {example}" for key, example in required.items())
-        return _wrong(report, node, what, f"a map '{shape}'")
+        return _wrong(report, node, what, f"a map '{shape or '{}'}'")
     known = {**required, **optional}
     found = {key.text: value for key, value in node.pairs if key.text in known}
     unknown = [(key, value) for key, value in node.pairs if key.text not in known]

@@ -423,6 +423,9 @@ class _Tree:
         self._refused = {item_id: sum((mark.number for mark in course.marks if mark.refused and mark.item == item_id),
                                       ZERO) for item_id in {mark.item for mark in course.marks if mark.refused}}
         self._withholding = [item for item in sheet.items if item.withholds]
+        # Conditions ask again and again: without what is known, twice as often with each row.
+        self._bars: Dict[str, str] = {}
+        self._counts: Dict[str, _Times] = {}
         self.points: Dict[str, Fraction] = {}
         self.own: Dict[str, Fraction] = {}
         self.charged = ZERO
@@ -475,6 +478,11 @@ class _Tree:
 
     def _barred(self, item: Item) -> str:
         """Return why an item does not count at all; empty: it counts."""
+        if item.id not in self._bars:
+            self._bars[item.id] = self._why_barred(item)
+        return self._bars[item.id]
+
+    def _why_barred(self, item: Item) -> str:
         for by in self._withholding:
             if item.id in by.withholds and self._is_given(by):
                 return BARRED(item=item.name, other=by.name)
@@ -494,6 +502,11 @@ class _Tree:
 
     def _counting(self, item: Item) -> _Times:
         """Return the times of an item that count."""
+        if item.id not in self._counts:
+            self._counts[item.id] = self._find_counting(item)
+        return self._counts[item.id]
+
+    def _find_counting(self, item: Item) -> _Times:
         times = self._times.get(item.id, _Times())
         if not times.shares or self._barred(item):
             return _Times()

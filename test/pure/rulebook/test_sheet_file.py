@@ -9,6 +9,7 @@ from roah_rsbb.model.rules import Condition, Incident, Item, ItemChoice, JuryRes
 from roah_rsbb.model.scoring import INCIDENTS
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.errors import ConfigErrors, known
+from roah_rsbb.scoring.tree import Course, SheetMark, count
 
 HEAD = """\
 - name: Test 1
@@ -189,6 +190,7 @@ MISTAKES = [
     ("{item: a, each: yes, times: 2, items: [{item: b, amount: points}]}", "'b' under 'a'", "counts with points"),
     ("{item: a, each: yes, times: 2, items: [{item: b, items: [{item: c}]}]}", "'b' under 'a'", "counts with points"),
     ("{item: a, needs: y}", "'y' as needs", "there is 'x'"),
+    ("{item: a, times: -1}", "the number '-1' as times", "a whole number, or 'unlimited'"),
     ("{item: a, needs: {item: x, is: z}}", "'is' of 'x', which has no choices", "an item with choices"),
     ("{item: a, choices: [k, l], items: [{item: b, needs: {item: a, is: m}}]}",
      "the text 'm' as is", "one of its choices"),
@@ -218,6 +220,7 @@ WRONG_INCIDENTS = [
     ("removed: {of: inactiv, after: 3}", "'inactiv' as of", "another incident"),
     ("removed: {after: 3}", "after without of", "of: inactive"),
     ("restart: {net: yes}", "net without below", "below: 40"),
+    ("restart: ", "nothing as the incident 'restart'", "a map '{}'"),
     ("[restart]", "a sequence ('- item', or [a, b]) as incidents", "restart: {times"),
 ]
 
@@ -228,6 +231,26 @@ def test_a_mistake_in_incidents(text, found, expected):
         _read(_of("{item: Cheating}", incidents=text))
     error, = caught.value.errors
     assert (error.line, error.found[:len(found)]) == (9, found) and expected in error.expected, error
+
+
+def _chain(rows):
+    """Rows each of which needs the next two."""
+    return _of(*(f"{{item: r{i}, points: 1, needs: [r{i + 1}, r{i + 2}]}}" for i in range(rows - 2)),
+               *(f"{{item: r{i}, points: 1}}" for i in (rows - 2, rows - 1)))
+
+
+def test_rows_that_depend_on_many_others_are_counted_at_once():
+    sheet = _read(_chain(100))
+    assert count(sheet, Course(tuple(SheetMark(item.id) for item in sheet.items))).total == 100
+    assert count(sheet, Course(tuple(SheetMark(item.id) for item in sheet.items[:-1]))).total == 1
+
+
+def test_rows_that_depend_on_too_many_others():
+    with pytest.raises(ConfigErrors) as caught:
+        _read(_chain(1000))
+    error, = caught.value.errors
+    assert error.found == "'r0', which depends on more than 100 rows, one after the other"
+    assert "name fewer rows" in error.expected
 
 
 def test_the_time_left_needs_a_limit():
