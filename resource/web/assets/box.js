@@ -149,25 +149,25 @@ function Reload({texts}) {
   const ask = async (digest, forAll = false) => {
     setFound({said: `${texts.reload} …`, lines: []});
     const {status, body, ...rest} = await send("reload", {digest, for_all: forAll});
-    const apply = status === 200 && body.changes.length > 0 && !body.applied ? body.digest : "";
+    const isOpen = status === 200 && !body.applied;
+    const apply = isOpen && body.changes.length > 0 ? body.digest : "";
     const said = status !== 200 ? reasonsText({status, body, ...rest}, texts) : body.errors.length > 0 ? texts.reload_errors
       : body.applied ? texts.reload_done : apply ? texts.reload_apply : texts.reload_same;
     setFound({said, isWrong: status !== 200 || body.errors.length > 0, lines: status !== 200 ? [] : body.errors.length > 0 ? body.errors
       : [...body.changes, ...body.warnings.map((line) => `⚠ ${line}`)], apply: status === 200 && body.errors.length === 0 && apply,
-      rescored: apply ? body.rescored : []});
+      forAll: isOpen && body.errors.length === 0 && body.rescored.length > 0 && body.digest, rescored: isOpen ? body.rescored : []});
   };
   return html`
     <section class="reload">
       <h2>${texts.reload_title}</h2>
       ${found && html`<p class=${found.isWrong ? "alarm" : "todo"} role="status">${found.said}</p>
         <ul class="lines">${found.lines.map((line) => html`<li>${line}</li>`)}</ul>
-        ${found.apply && found.rescored.length > 0 && html`<p>${texts.reload_rescored}</p>
+        ${found.forAll && html`<p>${texts.reload_rescored}</p>
           <ul class="lines">${found.rescored.map((line) => html`<li>${line}</li>`)}</ul>`}`}
       <div class="controls">
         <button type="button" data-command="reload" onClick=${() => ask("")}>${texts.reload}</button>
         ${found && found.apply && html`<button type="button" class="main" data-command="apply" onClick=${() => ask(found.apply)}>${texts.apply}</button>`}
-        ${found && found.apply && found.rescored.length > 0 && html`<button type="button" data-command="apply_to_all"
-          onClick=${() => ask(found.apply, true)}>${texts.reload_for_all}</button>`}
+        ${found && found.forAll && html`<button type="button" data-command="apply_to_all" onClick=${() => ask(found.forAll, true)}>${texts.reload_for_all}</button>`}
       </div>
     </section>`;
 }

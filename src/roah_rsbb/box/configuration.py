@@ -304,7 +304,7 @@ class Reloads:
 
     def _apply(self, content: Content, changes: List[str], who: str, for_all: bool) -> List[str]:
         """Put a content into force; returns why that is not possible."""
-        if not changes:
+        if not changes and not for_all:
             return []
         before = self._configuration.version
         try:
@@ -325,7 +325,7 @@ class Reloads:
         return []
 
     def _rescored(self, config: Config) -> List[str]:
-        return [str(run) for run in self._box.reload.rescored(config)]
+        return [str(run) for run in self._box.reload.rescored(config) if run.before.points != run.after.points]
 
     def _versions_in_use(self) -> Tuple[int, ...]:
         return tuple(zone.version for zone in self._box.zones.values() if zone.run is not None)

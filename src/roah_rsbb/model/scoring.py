@@ -194,6 +194,8 @@ class ScoreGroup(NamedTuple):
     items: Tuple[Tuple[ScoringItem, int], ...]
 
 
+# The group of items in no section, because each face names an item by its group, too.
+NO_SECTION = "Score sheet"
 # The group of a sheet's incidents: each is an item that counts how often it happened.
 INCIDENTS = "Incidents"
 _KINDS = {
@@ -213,7 +215,7 @@ def rows(sheet: Sheet) -> Tuple[ScoringItem, ...]:
     found: List[ScoringItem] = []
     seen: Dict[Key, int] = {}
     for item in sheet.items:
-        sections[item.id] = item.name if item.amount is Measure.SECTION else sections.get(item.under, "")
+        sections[item.id] = item.name if item.amount is Measure.SECTION else sections.get(item.under, NO_SECTION)
         if item.amount in _KINDS:
             key = sections[item.id], item.name
             seen[key] = seen.get(key, 0) + 1

@@ -81,7 +81,8 @@ def _choose(call: Call) -> Exit:
 def _reload(call: Call) -> Exit:
     """Check the configuration files, list what they change, and apply it."""
     found = _reloaded(call, "")
-    if not found["changes"] or call.options.check:
+    is_needed = found["changes"] or (call.options.for_all and found["rescored"])
+    if not is_needed or call.options.check:
         return _show_reload(call, found)
     with call.confirmed(
         "", lambda: _reload_lines(found), "Apply these changes? [y/N]",
@@ -99,7 +100,8 @@ def _reloaded(call: Call, digest: str) -> Dict[str, Any]:
 
 
 def _show_reload(call: Call, answer: Dict[str, Any]) -> Exit:
-    end = [whole_box.RELOAD_DONE] if answer["applied"] and answer["changes"] else []
+    is_done = answer["applied"] and (answer["changes"] or (call.options.for_all and answer["rescored"]))
+    end = [whole_box.RELOAD_DONE] if is_done else []
     names = "applied", "changes", "rescored", "warnings"
     return call.done(_reload_lines(answer) + end, **{name: answer[name] for name in names})
 

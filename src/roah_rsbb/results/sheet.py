@@ -3,7 +3,7 @@
 from functools import partial
 from typing import Iterator, List, Optional, Tuple
 
-from roah_rsbb.model.records import ItemRecord, RunRecord, StopRecord, grouped, ratings, submitted
+from roah_rsbb.model.records import ItemRecord, RunRecord, SheetVersion, StopRecord, grouped, ratings, submitted
 from roah_rsbb.results.events import Section, box_states, robot_states, sections
 from roah_rsbb.results.link_report import LinkRows, link_lines, link_plot
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, facts_table, joined, page, table, tag
@@ -70,8 +70,16 @@ def facts(result: RunResult, in_utc: bool) -> List[Tuple[str, str]]:
         ("End", line(run_state_text(record))),
         *([("Counting", counting_text(result.counts))] if result.counts else []),
         ("Sheet", line(signature_of(record, in_utc))),
+        *((f"Version {number}", line(_version(version, in_utc))) for number, version in enumerate(record.versions, 1)),
         ("Run logs", ", ".join(line(r.log_file) for r in result.robots if r.log_file) or NOTHING),
     ]
+
+
+def _version(version: SheetVersion, in_utc: bool) -> str:
+    """Return an earlier version of a signed sheet, in words."""
+    points = sheets.points_text(version.points) or NOTHING
+    signed = sheets.signature(version.sign_off.utc, version.sign_off.who, _when(in_utc))
+    return f"{points}, {signed}; replaced at {date_time(version.replaced_utc, in_utc)}: {version.why}"
 
 
 def _title(record: RunRecord) -> str:
@@ -100,6 +108,7 @@ def _items(record: RunRecord) -> Iterator[str]:
     if record.points is not None:
         yield ""
         yield line(sheets.points_text(record.points))
+        yield from (f"  {line(step)}" for step in sheets.steps_text(record.points))
 
 
 def _points(item: ItemRecord) -> str:
@@ -219,6 +228,9 @@ def _items_markup(record: RunRecord) -> Iterator[Markup]:
         ], ("value", *(("value",) if has_points else ()), "", ""))
     if record.points is not None:
         yield tag("p", sheets.points_text(record.points))
+        steps = sheets.steps_text(record.points)
+        if steps:
+            yield tag("ul", *(tag("li", step) for step in steps))
 
 
 def _modules_markup(record: RunRecord) -> Iterator[Markup]:

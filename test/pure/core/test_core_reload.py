@@ -418,6 +418,16 @@ def test_a_changed_sheet_names_the_runs_that_it_would_score_otherwise():
     assert record(driver, identity).points.total == "60", "from now on"
 
 
+def test_runs_that_kept_their_sheet_can_be_scored_by_the_new_one_later():
+    driver = BoxDriver(scored_day(60))
+    identity = finished_run(driver)
+    reload(driver, scored_day(50), before=scored_day(60))
+    assert [run.after.points.total for run in driver.box.reload.rescored(scored_day(50))] == ["50"]
+    driver.event(driver.box.reload.take, scored_day(50), 1, [], "Olga", True)
+    assert record(driver, identity).points.total == "50"
+    assert driver.box.reload.rescored(scored_day(50)) == []
+
+
 def test_a_changed_sheet_for_all_runs_gives_a_signed_one_a_new_version():
     driver = BoxDriver(scored_day(60))
     identity = finished_run(driver, "Ben")

@@ -178,3 +178,10 @@ def test_referees_mark_no_pauses_and_nothing_that_a_choice_says():
     incidents = (Incident("pause", pauses=True, ends=("resume",)), Incident("resume"), Incident("came", marks="how"),
                  Incident("restart"))
     assert [row.desc for row in rows(Sheet((kinds,), incidents)) if row.group == INCIDENTS] == ["restart"]
+
+
+def test_an_item_in_no_section_can_be_marked():
+    book = Book(Sheet((Item("one", "Finds it", points=Decimal(5)),)))
+    (row,) = book.form.items
+    assert row.group
+    assert book.at(10, "Finds it", 2, group=row.group).total() == "10"

@@ -108,7 +108,7 @@ class CoreStatusPanel(Panel):
         answer = found.result
         if answer["errors"]:
             self._show_lines(tr(whole_box.RELOAD_ERRORS), answer["errors"])
-        elif not answer["changes"]:
+        elif not answer["changes"] and not answer["rescored"]:
             self.answer.say(tr(whole_box.RELOAD_SAME))
         else:
             warnings = [tr("Warning: {line}", line=line) for line in answer["warnings"]]
