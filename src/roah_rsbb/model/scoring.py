@@ -198,6 +198,7 @@ class ScoreGroup(NamedTuple):
 NO_SECTION = "Score sheet"
 # The group of a sheet's incidents: each is an item that counts how often it happened.
 INCIDENTS = "Incidents"
+MAX_INCIDENTS = 100  # of one kind: each is counted by itself
 _KINDS = {
     Measure.YES: ScoreKind.BOOL, Measure.COUNT: ScoreKind.UINT, Measure.NUMBER: ScoreKind.DECIMAL,
     Measure.PERCENT: ScoreKind.DECIMAL, Measure.POINTS: ScoreKind.DECIMAL, Measure.CHOICE: ScoreKind.CHOICE,

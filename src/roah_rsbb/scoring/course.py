@@ -7,7 +7,7 @@ from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence
 
 from roah_rsbb.model.records import ItemRecord, ScoreEntry
 from roah_rsbb.model.rules import Item, Measure, Sheet
-from roah_rsbb.model.scoring import INCIDENTS, Key, ScoreKind, ScoringItem
+from roah_rsbb.model.scoring import INCIDENTS, MAX_INCIDENTS, Key, ScoreKind, ScoringItem
 from roah_rsbb.scoring.earlier import key_id
 from roah_rsbb.scoring.tree import Course, Happened, SheetMark, void_marks
 
@@ -115,6 +115,6 @@ def _times(item_id: str, percent: Fraction) -> List[SheetMark]:
 
 def _happened(found: List[Happened], entry: ScoreEntry, happened: Happened) -> None:
     """Enter how often an incident happened."""
-    number = len(found) + int(Decimal(entry.added)) if entry.added else entry.value
+    number = min(len(found) + int(Decimal(entry.added)) if entry.added else entry.value, MAX_INCIDENTS)
     del found[max(0, number):]
     found += [happened] * (number - len(found))

@@ -31,6 +31,7 @@ from roah_rsbb.model.rules import Sheet
 from roah_rsbb.model.scoring import (
     INCIDENTS,
     MAX_DECIMALS,
+    MAX_INCIDENTS,
     MAX_NUMBER,
     MAX_VALUE,
     NUMBERS,
@@ -562,7 +563,8 @@ def _check_whole(item: ScoringItem, mark: Mark) -> None:
         return
     lowest = 0 if item.kind is ScoreKind.UINT else -MAX_VALUE
     least = lowest if item.least is None else int(item.least)
-    most = MAX_VALUE if item.most is None else int(item.most)
+    highest = MAX_INCIDENTS if item.group == INCIDENTS else MAX_VALUE
+    most = highest if item.most is None else int(item.most)
     if least <= mark.value <= most:
         return
     what = say("a count") if item.kind is ScoreKind.UINT else say("a whole number")

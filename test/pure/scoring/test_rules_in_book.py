@@ -8,12 +8,13 @@ import pytest
 from helpers.competition import UTC0
 from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.clock import Now
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import By, RunRecord
 from roah_rsbb.model.rules import Incident, Item, Measure, Sheet, Voids
 from roah_rsbb.model.scoring import INCIDENTS, SheetForm, rows
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.scoring.book import BookState, FinishedRun, RunBook
-from roah_rsbb.scoring.sheet import Mark
+from roah_rsbb.scoring.sheet import Mark, SheetState
 
 TABLE, SPECIAL = "Table", "Special"
 SHEET = Sheet((
@@ -185,3 +186,14 @@ def test_an_item_in_no_section_can_be_marked():
     (row,) = book.form.items
     assert row.group
     assert book.at(10, "Finds it", 2, group=row.group).total() == "10"
+
+
+def test_an_incident_does_not_happen_without_end():
+    """A slip of a finger must not fill the memory of the core."""
+    with pytest.raises(Refused, match="'restart' is a count: its value must be from 0 to 100, not 2147483647"):
+        Book().at(40, "restart", 2147483647, group=INCIDENTS)
+    book = Book().at(30, "Finds an object", added="3").at(40, "restart", 100, group=INCIDENTS)
+    assert book.total() == "0"
+    earlier = [entry._replace(value=2147483647) if entry.group == INCIDENTS else entry
+               for entry in book.book.sheet.history]
+    assert Book(state=BookState(SheetState(earlier))).total() == "0"

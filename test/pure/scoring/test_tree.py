@@ -185,6 +185,14 @@ def test_a_row_that_was_made_at_the_event_has_its_name_in_the_steps():
     assert found.steps[0] == "Waters the plants: must not count: too late"
 
 
+@pytest.mark.parametrize("at", [70, 90])
+def test_what_was_entered_does_not_come_by_itself_again(at):
+    costs = replace(REMOVED, marks="costs", voids=Voids.NOTHING)
+    found = worth([row("costs", -50)], mark("costs", at=100), incidents=[costs],
+                  happened=[Happened("inactive", Fraction(60)), Happened("removed", Fraction(at))])
+    assert found.total == -50
+
+
 @pytest.mark.parametrize("ended, at, said", [(False, 80, False), (False, 90, True), (True, 80, True)])
 def test_a_time_that_is_not_over_yet_has_no_consequence(ended, at, said):
     found = worth([row("done", 10)], mark("done", at=at), incidents=[REMOVED],
