@@ -65,6 +65,7 @@ class _Rows:
         self._sum(_Span(), self._under.get("", ()))
         asked = {each.item for item in self._items.values() for each in (*item.needs, *item.unless)}
         asked |= {item.id for item in self._items.values() if item.withholds}
+        asked |= {fact.item for each in self._sheet.incidents for fact in (*each.when, *each.unless)}
         has_points = any(item.points is not None or item.percent is not None for item in self._items.values())
         for item in self._items.values():
             name = quote(item.name)
@@ -74,8 +75,8 @@ class _Rows:
                 if item.id not in self._under:
                     self._found.append(f"{name} is a section without items")
             elif has_points and item.id not in asked and not _has_points(item) and item.id not in self._under:
-                self._found.append(f"{name} gives no points, and no other row depends on it: write 'points: 0' if it "
-                                   "is only recorded")
+                self._found.append(f"{name} gives no points, and no other row depends on it: write "
+                                   f"'{_recorded(item)}' if it is only recorded")
             for condition in item.needs:
                 if item.times is not None and condition.since > item.times:
                     self._found.append(f"{name} needs {self._name(condition)} from count {condition.since} on, and "
@@ -90,7 +91,14 @@ class _Rows:
     def _sum(self, base: _Span, items: Sequence[Item]) -> _Span:
         """Return what is reached with these rows."""
         for item in items:
-            base += self._span(item, base)
+            span = self._span(item, base)
+            if item.for_team:
+                continue  # not of the sheet
+            if item.percent is None or self._never[item.id]:
+                base += span
+            else:  # of whatever is reached before: not the most of one and the least of the other
+                low, high = self._factors(item)
+                base = base.times(1 + low, 1 + high)
         return base
 
     def _span(self, item: Item, base: _Span) -> _Span:
@@ -115,19 +123,27 @@ class _Rows:
         if item.amount is Measure.CHOICE:
             worths = [choice.points or ZERO for choice in item.choices]
             return _Span(min(ZERO, *worths), max(ZERO, *worths))
-        high = MANY if item.times is None else Decimal(item.times)
-        low = ZERO
+        if item.percent is not None:
+            return base.times(*self._factors(item))
+        points = item.points or ZERO
+        return _Span(points, points).times(*self._amounts(item))
+
+    def _amounts(self, item: Item) -> _Span:
+        """Return how often a row may count."""
         if item.amount is Measure.CLOCK:
-            high = (self._sheet.limit_s or Decimal(str(self._sheet.clock_s or 0))) // item.seconds
-        elif item.amount in (Measure.NUMBER, Measure.POINTS, Measure.RATING):
-            low, high = (-MANY if item.low is None else min(ZERO, item.low), MANY if item.high is None else item.high)
-        if item.percent is None:
-            points = item.points or ZERO
-            return _Span(points, points).times(low, high)
-        rate = item.percent / 100
+            return _Span(ZERO, (self._sheet.limit_s or Decimal(str(self._sheet.clock_s or 0))) // item.seconds)
+        if item.amount in (Measure.NUMBER, Measure.POINTS, Measure.RATING):
+            return _Span(-MANY if item.low is None else min(ZERO, item.low), MANY if item.high is None else item.high)
+        return _Span(ZERO, MANY if item.times is None else Decimal(item.times))
+
+    def _factors(self, item: Item) -> _Span:
+        """Return which part of what is reached before a percentage can add."""
+        rate, (low, high) = (item.percent or ZERO) / 100, self._amounts(item)
         if item.compounding and high != MANY:
-            return base.times(ZERO, (1 + rate) ** int(high) - 1)
-        return base.times(*sorted((_product(rate, low), _product(rate, high))))
+            return _Span(*sorted((ZERO, (1 + rate) ** int(high) - 1)))
+        if item.compounding and rate < 0:
+            return _Span(-Decimal(1), ZERO)  # each time leaves something
+        return _Span(*sorted((_product(rate, low), _product(rate, high))))
 
     # -- conditions ---------------------------------------------------------------------------------
 
@@ -172,6 +188,13 @@ class _Rows:
 def _has_points(item: Item) -> bool:
     return (item.points is not None or item.percent is not None
             or any(choice.points is not None for choice in item.choices))
+
+
+def _recorded(item: Item) -> str:
+    """Return what a row has in the file that gives no points on purpose."""
+    if item.amount is not Measure.CHOICE:
+        return "points: 0"
+    return f"choices: {{{', '.join(f'{choice.name}: 0' for choice in item.choices)}}}"
 
 
 def _of_incident(sheet: Sheet, incident: Incident) -> Iterator[str]:

@@ -47,6 +47,18 @@ def test_a_sheet_without_a_fault():
     (["section: s", "item: a, points: 1"], "'s' is a section without items"),
     (["item: a", "item: b, points: 1"],
      "'a' gives no points, and no other row depends on it: write 'points: 0' if it is only recorded"),
+    (["item: a, choices: [c, d e]", "item: b, points: 1"],
+     "'a' gives no points, and no other row depends on it: write 'choices: {c: 0, d e: 0}' if it is only recorded"),
+    # A percentage of what a penalty without limit leaves.
+    (["section: s, total: 1, items: [{item: a, points: 300, times: 2}, {item: b, points: -5, times: unlimited}, "
+      "{item: c, percent: -10, times: 3}]"], "'s' has the total 1, and its rows give at most 600 points"),
+    (["section: s, total: 1, items: [{item: a, points: 300, times: 2}, {item: b, points: -5, times: unlimited}, "
+      "{item: c, percent: 10}]"], "'s' has the total 1, and its rows give at most 660 points"),
+    (["section: s, total: 1, items: [{item: a, points: 300}, {item: c, percent: -10, times: unlimited, "
+      "compounding: yes}]"], "'s' has the total 1, and its rows give at most 300 points"),
+    # What the team gets is not of the sheet.
+    (["section: s, total: 9, items: [{item: a, points: 5}, {item: b, points: 4, for_team: yes}]"],
+     "'s' has the total 9, and its rows give at most 5 points"),
     # Conditions that nothing meets.
     (["item: a, points: 1, times: 3", "item: b, points: 1, needs: {item: a, least: 4}"],
      "'b' never counts: it needs 'a' ≥ 4, which is at most 3"),
@@ -76,6 +88,17 @@ def test_a_fault(rows, found):
 ])
 def test_no_fault(rows):
     assert _found(*rows) == []
+
+
+@pytest.mark.parametrize("condition", [
+    "when: {fact: How, is: by hand}", "unless: {fact: How, is: by hand}", "when: a"])
+def test_a_row_on_which_an_incident_depends(condition):
+    assert _found("item: How, choices: [by hand, by tool]", "item: a", "item: b, points: 1",
+                  incidents=f"collision: {{{condition}, voids: all}}, other: {{when: [How, a], voids: all}}") == []
+
+
+def test_a_choice_that_is_only_recorded():
+    assert _found("item: a, choices: {c: 0, d e: 0}", "item: b, points: 1") == []
 
 
 def test_the_time_left_of_a_run_in_which_late_marks_count():
