@@ -5378,8 +5378,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/stages.py"/>
-        <source>{stage}, {count} teams: {number} advance: {teams}</source>
-        <translation>{stage}, {count} Teams: {number} kommen weiter: {teams}</translation>
+        <source>{stage}: {number} of {count} advance: {teams}</source>
+        <translation>{stage}: {number} von {count} kommen weiter: {teams}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/stages.py"/>
@@ -5468,7 +5468,7 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
-        <source>{incident}{time}: the {number}. time, {times} allowed: it has no effect</source>
+        <source>{incident}{time}: time {number}, {times} allowed: it has no effect</source>
         <translation>{incident}{time}: zum {number}. Mal, erlaubt sind {times}: ohne Wirkung</translation>
     </message>
     <message>

@@ -53,6 +53,9 @@ def pick_run(word: str, runs: Sequence[RunLine]) -> RunLine:
     listed: List[str] = [run.identity for run in found or runs]
     if not listed:
         raise BadWord("no run of this zone is connected or over")
+    if word == LAST:
+        raise BadWord(f"no run of this zone is over: {runs[0].identity} is still connected. Disconnect it first, or "
+                      "leave out '--run last' to mean it")
     matches = f"{len(found)} runs have '{word}' in their name" if found else f"no run '{word}'"
     raise BadWord("\n  ".join([f"{matches}; there are", *listed]))
 

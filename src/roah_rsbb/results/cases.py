@@ -16,7 +16,7 @@ from roah_rsbb.results.runs import NotPossible
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.decisions import beside
-from roah_rsbb.rulebook.errors import known
+from roah_rsbb.rulebook.errors import ConfigErrors, known
 from roah_rsbb.rulebook.standing_rules import StandingRules, read_rules
 from roah_rsbb.scoring.points import number_of as decimal_of
 from roah_rsbb.scoring.stages import Result, StageRanking, number_of, rank
@@ -66,9 +66,16 @@ def read_folder(folder: str, included: str, decisions: Mapping[str, str]) -> Cas
             with open(path, encoding="utf-8") as file:
                 texts[path] = file.read()
         texts[beside(benchmarks)] = json.dumps(_as(dict, decisions, "decisions"), ensure_ascii=False)
-    with known(texts):
-        found = load_benchmarks(benchmarks)
-        ranking = read_rules(standings, list(found)) if standings else StandingRules()
+    try:
+        with known(texts):
+            found = load_benchmarks(benchmarks)
+            ranking = read_rules(standings, list(found)) if standings else StandingRules()
+    except ConfigErrors as errors:
+        own = [error for error in errors.errors if decisions and error.file == beside(benchmarks)]
+        if not own:
+            raise
+        raise NotPossible("'decisions' of the case: " + "; ".join(
+            f"found {error.found}; expected {error.expected}" for error in own)) from None
     return CaseRules(found, ranking)
 
 
@@ -116,7 +123,7 @@ def _benchmark(title: str, rules: CaseRules) -> Benchmark:
     found = names.get(title.casefold())
     if found is None:
         titles = [each.desc for each in rules.benchmarks.values()]
-        raise NotPossible(f"no sheet {title!r}: use one of {', '.join(titles)}{did_you_mean(title, titles)}")
+        raise NotPossible(f"no sheet {title!r}{did_you_mean(title, titles)}")
     return found
 
 
@@ -178,8 +185,8 @@ def _row(text: str, options: Mapping[str, Any], sheet: Sheet) -> Item:
     found = rows.get(str(options["i"])) if "i" in options else rows.get(text) or next(
         (item for item in sheet.items if item.name == text), None) or ("label" in options and rows.get(FREE)) or None
     if found is None:
-        raise NotPossible(f"no row {options.get('i', text)!r} on the sheet: its rows are "
-                          f"{', '.join(f'{item.id} ({item.name})' for item in sheet.items)}")
+        names = (item.id if item.id == item.name else f"{item.id} ({item.name})" for item in sheet.items)
+        raise NotPossible(f"no row {options.get('i', text)!r} on the sheet: its rows are {', '.join(names)}")
     return found
 
 
@@ -311,6 +318,8 @@ def read_cases(path: str) -> List[Mapping[str, Any]]:
     try:
         with open(path, encoding="utf-8") as file:
             found = json.load(file)
+    except OSError as error:
+        raise NotPossible(f"{path} cannot be read ({error.strerror}): give a file of cases") from None
     except ValueError as error:
         raise NotPossible(f"{path} is not JSON: {error}") from None
     if isinstance(found, dict):

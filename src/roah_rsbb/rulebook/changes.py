@@ -5,7 +5,7 @@ No line contains a password (docs/organiser.md, "Changes during the competition"
 
 import collections
 from dataclasses import fields, is_dataclass
-from typing import Any, Dict, Iterable, List, Mapping, NamedTuple
+from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Optional
 
 from roah_rsbb.model.rules import AttemptsRule, Item
 from roah_rsbb.model.scoring import ScoreKind
@@ -17,6 +17,8 @@ from roah_rsbb.wording.times import date_time
 
 # The fields of a benchmark whose differences are listed by other names.
 _NAMES = {"own": "", "rules": "", "desc": "subject", "name": "title", "least": "min", "most": "max"}
+# Times in seconds, in files without this unit.
+_SECONDS = {"limit_s": "time limit", "clock_s": "time of the run, of which some may be left"}
 # Those of a benchmark by which its sheets are scored.
 _OF_SHEET = ("scoring", "sheet_rules", "sheet")
 
@@ -92,10 +94,14 @@ def differences(name: str, before: Any, after: Any) -> List[str]:
             label = _NAMES.get(field.name, field.name.replace("_", " "))
             if isinstance(before, Benchmark) and field.name == "scoring" and before.sheet != after.sheet:
                 continue  # its rows are those of the sheet
-            if isinstance(before, Benchmark) and field.name == "own":
+            values = getattr(before, field.name), getattr(after, field.name)
+            if field.name in _SECONDS and values[0] != values[1]:
+                words = ("none" if value is None else f"{value:g} s" for value in map(_float, values))
+                found.append(f"{_SECONDS[field.name]} {', now '.join(words)}")
+            elif isinstance(before, Benchmark) and field.name == "own":
                 found += differences(label, before.profile, after.profile)
             else:
-                found += differences(label, getattr(before, field.name), getattr(after, field.name))
+                found += differences(label, *values)
         return found
     if isinstance(before, tuple) and isinstance(after, tuple):
         return _of_items(name, before, after)
@@ -113,6 +119,10 @@ def _of_items(name: str, before: Iterable[Any], after: Iterable[Any]) -> List[st
         elif old[key] != new[key]:
             found.append(f"{name}: {quote(key)}: {', '.join(differences('', old[key], new[key]))}")
     return found or [f"{name}: another order"]
+
+
+def _float(value: Any) -> Optional[float]:
+    return None if value is None else float(value)
 
 
 def _by_name(items: Iterable[Any]) -> Dict[str, Any]:

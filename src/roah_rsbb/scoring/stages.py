@@ -24,7 +24,7 @@ SUM = say("{team}: {sum} = {points}")
 AT_LEAST = say("{team}: {sum}, at least {limit}: {points}")
 TOO_OFTEN = say("{team}: {name} counts at most {times} times")
 IS_OUT = say("{team}: {name}")
-ADVANCE = say("{stage}, {count} teams: {number} advance: {teams}")
+ADVANCE = say("{stage}: {number} of {count} advance: {teams}")
 TIED = say("{teams} tie for {stage}, place {place}: {by} decides")
 ASK = say("{stage}: {teams} tie, and {number} of them can advance: name who does in 'chosen' of the stage "
           "(docs/results.md)")

@@ -37,7 +37,9 @@ def test_a_run_is_named_by_a_part_of_its_identity(word, number):
 
 @pytest.mark.parametrize("word, runs, hint", [
     ("7000", RUNS, "no run '7000'; there are\n  HWV-6669"), ("HWV", RUNS, "3 runs have 'HWV' in their name; there are"),
-    ("", RUNS, "no run ''"), (LAST, (NOW,), "no run 'last'"), (LAST, (), "no run of this zone is connected or over"),
+    ("", RUNS, "no run ''"),
+    (LAST, (NOW,), "no run of this zone is over: HWV-6669-1447.5 is still connected. Disconnect it first, or leave"),
+    (LAST, (), "no run of this zone is connected or over"),
 ])
 def test_an_unknown_run_lists_the_known_ones(word, runs, hint):
     with pytest.raises(BadWord) as bad:

@@ -78,12 +78,17 @@ def test_cases_for_programs(capsys, tmp_path):
 
 
 @pytest.mark.parametrize("content, options, error", [
-    ({"sheet": "General Purpose"}, [], "no sheet 'General Purpose'"),
+    ({"sheet": "General Purpose"}, [], "case 'General Purpose' (it names no rulebook, so it is of athome2026; others "
+     "with --rulebook): no sheet 'General Purpose': did you mean 'General Purpose Service Robot'?"),
+    ({"sheet": "General Purpose", "id": "a7"}, ["--rulebook", "athome2026"], "case 'a7': no sheet 'General Pur"),
+    ({"sheet": "Lobby", "rulebook": "athome"}, [], "case 'Lobby': no sheet 'Lobby': there is"),
+    ({"sheet": GPSR, "marks": [["Solved", 1]]}, [], f"case '{GPSR}' (it names"),
     ({"sheet": GPSR, "marks": [["x", 1, {"i": 77}]]}, [], "no row 77 on the sheet"),
     ({"sheet": GPSR, "marks": ["Understands a command"]}, [], "'Understands a command' is not a mark"),
     ({"sheet": GPSR, "marks": [["x", "many", {"i": 0}]]}, [], "'many' is not a number"),
     ({"sheet": GPSR, "marks": [["x", 1, {"i": 0, "t": "soon"}]]}, [], "'soon' is not a number"),
     ({**CASE, "decisions": {"Floor of an objectiv": "each time"}}, [], "unknown choice 'Floor of an objectiv'"),
+    ({**CASE, "decisions": {"Floor of an objective": "sometimes"}}, [], "'decisions' of the case: found"),
     ({**CASE, "decisions": {"Floor of an objective": "sometimes"}}, [], "as reading of 'Floor of an objective'"),
     ({"sheet": GPSR, "marks": [["x", "1/0", {"i": 0}]]}, [], "'1/0' is not a number"),
     ({"sheet": GPSR, "marks": [["x", "1e99999", {"i": 0}]]}, [], "'1e99999' is no number of a case: write one with"),
@@ -104,6 +109,14 @@ def test_what_does_not_fit_together(capsys, tmp_path, content, options, error):
     status, out, err = tried(capsys, tmp_path, content, *options)
     assert (status, out) == (1, "")
     assert error in err
+    assert "decisions.yaml" not in err and err.count("there is '") < 2
+
+
+def test_a_file_that_is_missing(capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["try", "nofile.json"])
+    err = capsys.readouterr().err
+    assert end.value.code == 1 and "nofile.json cannot be read (No such file or directory): give a file of cases" in err
 
 
 @pytest.mark.parametrize("attempts, decisions, total", [

@@ -65,14 +65,20 @@ SHEET = """\
 
 
 def test_the_rules_of_a_sheet():
-    before, after = (Config(load_sheets(text), {}, ()) for text in (
-        SHEET, SHEET.replace("60, times: 5", "50, times: 4").replace("id: 1, points: 5", "id: 1, points: 6").replace(
-            "needs: Takes it", "needs: { item: Takes it, least: 2 }").replace("all", "earlier")))
+    changed = SHEET
+    for old, new in (("timeout: 300", "timeout: 90.5"), ("60, times: 5", "50, times: 4"), ("all", "earlier"),
+                     ("id: 1, points: 5", "id: 1, points: 6"),
+                     ("needs: Takes it", "needs: { item: Takes it, least: 2 }")):
+        changed = changed.replace(old, new)
+    before, after = (Config(load_sheets(text), {}, ()) for text in (SHEET, changed))
     assert changes(before, after) == [
+        "benchmark Fetch: timeout 300, now 90.5",
+        "benchmark Fetch: total timeout 300, now 90.5",
         "benchmark Fetch: items: 'Takes it': points 60, now 50, times 5, now 4",
         "benchmark Fetch: items: 'Custom (1)': points 5, now 6",
         "benchmark Fetch: items: 'Bonus': needs: 'Takes it' removed, needs: 'Takes it ≥ 2' added",
         "benchmark Fetch: incidents: 'restart': voids all, now earlier",
+        "benchmark Fetch: time limit 300 s, now 90.5 s",
     ]
 
 

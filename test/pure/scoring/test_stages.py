@@ -361,8 +361,8 @@ def test_the_steps_say_how_a_sum_came_about():
     assert {"A, HRI: best of 400, 650, 500: 650",
             "D: HRI 300 + PickAndPlace 35 + GPSR 540 + Laundry 15 + Restaurant 1200 − No referee provided 250 = 1840",
             "F: HRI 60 + PickAndPlace 15 + GPSR 100 + Laundry 115 − Restaurant 500 = −210",
-            "Tasks, 6 teams: 3 advance: A, B, C"} <= {*tasks.steps}
-    assert "Tasks, 6 teams: 3 advance: A, B, C" in tasks.notes
+            "Tasks: 3 of 6 advance: A, B, C"} <= {*tasks.steps}
+    assert "Tasks: 3 of 6 advance: A, B, C" in tasks.notes
     _, of_range = at_home((NORMALISED, "normalised: worst to best"))
     assert "B, Tasks: 50 × 795 / 920 = 43.207" in of_range.steps
     assert {"B, Tasks: 50 × 2700 / 2825 = 47.788", "B: Tasks 47.788 + Final 50 = 97.788"} <= {*last.steps}

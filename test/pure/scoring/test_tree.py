@@ -203,7 +203,7 @@ def test_a_time_that_is_not_over_yet_has_no_consequence(ended, at, said):
 @pytest.mark.parametrize("happened, step", [
     ([("inactive", 60)], "removed at 1:30.0, by itself"),
     ([("removed", 60)], None),
-    ([("restart", 10), ("restart", 20)], "restart (0:20.0): the 2. time, 1 allowed: it has no effect"),
+    ([("restart", 10), ("restart", 20)], "restart (0:20.0): time 2, 1 allowed: it has no effect"),
     ([("restart", 91)], "restart (1:31.0): 10 points, allowed below 10: it has no effect"),
 ])
 def test_steps_of_incidents(happened, step):

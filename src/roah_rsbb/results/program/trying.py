@@ -18,7 +18,7 @@ def try_cases(options: argparse.Namespace) -> int:
     """Print what the cases of a file give."""
     cases = read_cases(options.file)
     rules: Dict[str, CaseRules] = {}
-    answers = [answer(case, _rules(options, case, rules)) for case in cases]
+    answers = [_answer(options, case, rules) for case in cases]
     wrong = [differences(case, found) for case, found in zip(cases, answers)]
     if options.json:
         found = [{"id": case.get("id", ""), **own.as_json()} for case, own in zip(cases, answers)]
@@ -29,6 +29,20 @@ def try_cases(options: argparse.Namespace) -> int:
             for each in differs:
                 print(f"  WRONG: {each}")
     return 1 if any(wrong) else 0
+
+
+def _answer(options: argparse.Namespace, case: Mapping[str, Any], known: Dict[str, CaseRules]) -> CaseAnswer:
+    """Return what the rules give for a case. Errors name it, and its rules where it names none."""
+    try:
+        return answer(case, _rules(options, case, known))
+    except NotPossible as error:
+        by = "" if options.rulebook or case.get("rulebook") else (
+            f" (it names no rulebook, so it is of {DEFAULT}; others with --rulebook)")
+        raise NotPossible(f"case {_name(case)!r}{by}: {error}") from None
+
+
+def _name(case: Mapping[str, Any]) -> str:
+    return str(case.get("id") or case.get("sheet") or "case")
 
 
 def _rules(options: argparse.Namespace, case: Mapping[str, Any], known: Dict[str, CaseRules]) -> CaseRules:
@@ -46,13 +60,12 @@ def _folder(options: argparse.Namespace, case: Mapping[str, Any]) -> str:
     names = sorted(os.listdir(included)) if os.path.isdir(included) else []
     found = os.path.join(included, name) if name in names else name
     if not os.path.isdir(found):
-        raise NotPossible(f"no rulebook {name!r}: use one of {', '.join(names)}, or the path of a folder"
-                          + did_you_mean(name, names))
+        raise NotPossible(f"no rulebook {name!r}{did_you_mean(name, names)}. A folder is given by its path")
     return found
 
 
 def _show(case: Mapping[str, Any], found: CaseAnswer) -> None:
-    name = visible(str(case.get("id") or case.get("sheet") or "case"))
+    name = visible(_name(case))
     if found.standings is None:
         print(f"{name}: {number_text(found.points)}")
     else:

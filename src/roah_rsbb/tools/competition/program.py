@@ -21,7 +21,7 @@ from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.scoring.counting import with_events
 from roah_rsbb.tools.competition import answers, certificate, files, rulebooks
 from roah_rsbb.tools.competition.answers import Missing, known_answers, questions
-from roah_rsbb.tools.competition.check import check
+from roah_rsbb.tools.competition.check import check, counted
 from roah_rsbb.tools.competition.files import CannotWriteFiles, Hosts
 from roah_rsbb.tools.competition.plan import (
     Plan,
@@ -207,7 +207,8 @@ def _check_daily(
 ) -> None:
     """Check that there are benchmarks for each day, and a day for each benchmark. One entry is for all days."""
     if len(daily) not in (1, days):
-        report.error(place, f"benchmarks for {len(daily)} days", f"those of {days} days, or --daily all")
+        report.error(place, f"benchmarks for {counted(len(daily), 'day')}",
+                     f"those of {counted(days, 'day')}, or --daily all")
     named = [code for day in daily for code in day]
     for code in dict.fromkeys(code for code in named if code not in codes):
         report.error(place, f"benchmark {code} on a day", f"one of the competition's benchmarks: {listing(codes)}")

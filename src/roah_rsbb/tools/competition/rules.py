@@ -104,9 +104,9 @@ def _cases(folder: str, included: str) -> List[List[str]]:
         for number, case in enumerate(read_cases(path), 1):
             name = f"{os.path.basename(path)}, case {case.get('id', number)}"
             key = repr(case.get("decisions"))
-            if key not in rules:
-                rules[key] = read_folder(folder, included, case.get("decisions", {}))
             try:
+                if key not in rules:
+                    rules[key] = read_folder(folder, included, case.get("decisions", {}))
                 wrong = differences(case, answer(case, rules[key]))
             except NotPossible as error:
                 wrong = [str(error)]

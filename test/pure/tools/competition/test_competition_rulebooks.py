@@ -152,6 +152,11 @@ def test_functionality_benchmarks_come_with_their_rules_and_parameters(run, own)
     assert out.startswith("error: new/standings.yaml:2: found the key 'Fetch' again")
 
 
+def test_benchmarks_for_more_days_than_there_are(run):
+    err = run("new", "--rulebook", "erl2019", *OPTIONS, "--days", "2026-11-28", "--daily", "HNF, HWV")[2]
+    assert "expected those of 1 day, or --daily all" in err
+
+
 @pytest.mark.parametrize("text, line, reported", [
     ("benchmarks: all\n", 1, "found a rulebook without title"),
     ("title: A\nbenchmark: all\n", 2, "found the unknown key 'benchmark' in a rulebook"),

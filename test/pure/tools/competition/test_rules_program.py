@@ -84,7 +84,7 @@ def test_cases_of_the_folder(run, tmp_path):
     status, out, _ = run("check", decisions="Cups: many\n")
     assert (status, out.splitlines()) == (1, [
         "cases.json, case b: points 110, expected 60",
-        "cases.json, case 3: no sheet 'Fetsh': use one of Fetch: did you mean 'Fetch'?",
+        "cases.json, case 3: no sheet 'Fetsh': did you mean 'Fetch'?",
         "1 benchmark, 3 rows, 3 cases: 2 found"])
 
 
