@@ -108,10 +108,10 @@ def _speech_faults(played: Round) -> List[str]:
 
 
 def _tablet_faults(played: Round) -> List[str]:
-    """Each robot heard once that somebody touched the tablet; one that was off may have missed it."""
+    """Each robot heard once that somebody touched the tablet."""
     heard = {code: len(robot.did("call")) for code, robot in played.robots.items()}
     return [f"{code}: its robot heard {times} calls of the tablet, there was one" for code, times in heard.items()
-            if times != 1 and not (times == 0 and played.reboots[code])]
+            if times != 1]
 
 
 def _overtaken(played: Round) -> List[str]:
