@@ -107,7 +107,7 @@ class Round:
                 self.when_connected()
                 self.net.tablet.call()
                 # A trouble may make a robot follow another box for a moment, and what was before then is past, for it.
-                wait_until(lambda: all(robot.did("call") for robot in self.robots.values()), "all robots heard the call")
+                wait_until(lambda: all(robot.did("call") for robot in self.robots.values()), "all heard the call")
                 work = [pool.submit(trouble, self, code) for code, trouble in troubles.items()]
             failures = [run.exception() for run in (*runs.values(), *work)]
         # Those that only waited for one that failed say nothing.

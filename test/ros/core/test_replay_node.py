@@ -45,8 +45,8 @@ class TestReplay(OwnCoreCase):
         robot = self.robot("Alpha")
         self.box.connect("Home")
         identity = self.box.zone_details("Home").identity
-        # A replay on a busy machine may not publish a phase that is over at once. It begins with the first who listens to
-        # its topics: a client of its door, which looks for it every two seconds, may come later.
+        # A replay on a busy machine may not publish a phase that is over at once. It begins with the first who listens
+        # to its topics: a client of its door, which looks for it every two seconds, may come later.
         self.let_pass(4.0)
         self.box.start("Home")
         robot.wait_did("execute HGTKMH")
