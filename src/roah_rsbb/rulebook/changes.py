@@ -114,10 +114,11 @@ def _of_items(name: str, before: Iterable[Any], after: Iterable[Any]) -> List[st
     old, new = _by_name(before), _by_name(after)
     found = []
     for key in {**old, **new}:
+        item = old.get(key, new.get(key))
         if key not in old or key not in new:
-            found.append(f"{name}: {quote(key)} {'added' if key not in old else 'removed'}")
+            found.append(f"{name}: {quote(_name(item))} {'added' if key not in old else 'removed'}")
         elif old[key] != new[key]:
-            found.append(f"{name}: {quote(key)}: {', '.join(differences('', old[key], new[key]))}")
+            found.append(f"{name}: {quote(_name(item))}: {', '.join(differences('', old[key], new[key]))}")
     return found or [f"{name}: another order"]
 
 
@@ -126,7 +127,7 @@ def _float(value: Any) -> Optional[float]:
 
 
 def _by_name(items: Iterable[Any]) -> Dict[str, Any]:
-    return {_name(item): item for item in items}
+    return {item.id if isinstance(item, Item) else _name(item): item for item in items}
 
 
 def _name(item: Any) -> str:

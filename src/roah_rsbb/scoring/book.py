@@ -7,7 +7,7 @@ until it is signed off; each such change is a correction.
 
 import itertools
 from dataclasses import dataclass, field, replace
-from typing import Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Refused, say
@@ -221,6 +221,22 @@ def form_of(record: RunRecord) -> SheetForm:
         ScoringItem(item.group, item.desc, _KINDS.get(item.kind, ScoreKind.UINT)) for item in record.items))
 
 
+def _renamed(record: RunRecord, form: SheetForm) -> RunRecord:
+    """Return a record with the names that its rows have on another sheet: they are known by their ids."""
+    now = {row.id: row.key for row in form.items if row.id}
+    keys = {row.key: now[row.id] for row in form_of(record).items if row.id in now}
+
+    def named(each: Any) -> Any:
+        group, desc = keys.get((each.group, each.desc), (each.group, each.desc))
+        return each._replace(group=group, desc=desc)
+
+    judging = record.judging
+    own = (sheet._replace(history=tuple(map(named, sheet.history)), items=tuple(map(named, sheet.items)))
+           for sheet in judging.sheets)
+    return record._replace(history=tuple(map(named, record.history)), judging=judging._replace(
+        sheets=tuple(own), settlements=tuple(map(named, judging.settlements))))
+
+
 class FinishedRun:
     """A finished run. Its score sheet keeps its items even if the benchmarks file has changed."""
 
@@ -300,8 +316,9 @@ class FinishedRun:
     def under(self, form: SheetForm, decided: SignOff, why: str) -> RunRecord:
         """Return its record by other rules: the same marks on another sheet. A signed sheet stays as a version, and the
         new one is signed by who decided it."""
-        record = self.record
-        state = replace(self._book.state, sheet=SheetState(list(record.history), record.marks))
+        record = _renamed(self.record, form)
+        state = replace(self._book.state, sheet=SheetState(list(record.history), record.marks),
+                        judging=JudgesState.of(record.judging))
         found = RunBook(form, state, over=True).into(record)
         if record.sign_off is None:
             return found

@@ -82,6 +82,11 @@ def test_the_rules_of_a_sheet():
     ]
 
 
+def test_a_row_with_another_name_is_the_same_row():
+    before, after = (Config(load_sheets(text), {}, ()) for text in (SHEET, SHEET.replace("Custom", "Special task", 1)))
+    assert changes(before, after) == ["benchmark Fetch: items: 'Custom (1)': title 'Custom', now 'Special task'"]
+
+
 def load_sheets(text):
     with known({"benchmarks.yaml": text}):
         return load_benchmarks("benchmarks.yaml")

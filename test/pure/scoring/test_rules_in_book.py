@@ -9,7 +9,7 @@ from helpers.competition import UTC0
 from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Refused
-from roah_rsbb.model.records import By, RunRecord
+from roah_rsbb.model.records import By, JudgeSheet, JudgingRecord, RunRecord, Settlement, SignOff
 from roah_rsbb.model.rules import Incident, Item, Measure, Sheet, Voids
 from roah_rsbb.model.scoring import INCIDENTS, SheetForm, rows
 from roah_rsbb.rulebook.benchmarks import Benchmark
@@ -197,3 +197,23 @@ def test_an_incident_does_not_happen_without_end():
     earlier = [entry._replace(value=2147483647) if entry.group == INCIDENTS else entry
                for entry in book.book.sheet.history]
     assert Book(state=BookState(SheetState(earlier))).total() == "0"
+
+
+def test_marks_follow_their_rows_to_other_names():
+    """A run that is over, scored by a sheet on which a section and two rows have other names, with the same ids."""
+    book = Book().at(30, "Finds an object", added="5").at(40, "Drops an object", 1).end(200, "completed")
+    entries = book.book.sheet.history
+    settled = Settlement(1.0, "Hugo", TABLE, "Drops an object", 1, "", False, "seen", ())
+    record = book.book.into(RunRecord("X", "Home", "X", "", 1, 1, "", 1.0))._replace(
+        end_reason="completed", judging=JudgingRecord((JudgeSheet("Ann", 1.0, history=entries),), (settled,)))
+    names = {"table": "Desk", "finds": "Drops an object", "drops": "Lets an object fall"}
+    other = replace(SHEET, items=tuple(replace(item, name=names.get(item.id, item.name)) for item in SHEET.items))
+    found = FinishedRun(record, Benchmark("X", "X", "", 420.0, 420.0, ())).under(
+        SheetForm(rows(other), sheet=other), SignOff(2.0, "Hugo"), "other names")
+    assert found.points.total == record.points.total == "10"
+    places = [("Desk", "Drops an object"), ("Desk", "Lets an object fall")]
+    assert [(entry.group, entry.desc) for entry in found.history] == places
+    assert [(item.group, item.desc, item.value) for item in found.items if item.value] == [
+        (*places[0], 5), (*places[1], 1)]
+    assert [(entry.group, entry.desc) for entry in found.judging.sheets[0].history] == places
+    assert [(each.group, each.desc) for each in found.judging.settlements] == places[1:]
