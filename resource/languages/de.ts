@@ -1881,6 +1881,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>in time, says {name}</source>
+        <translation>rechtzeitig laut {name}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>late, says {name}</source>
+        <translation>zu spät laut {name}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>withdrawn by {name} at {time}</source>
         <translation>zurückgenommen von {name} um {time}</translation>
     </message>
@@ -5330,6 +5340,16 @@
         <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
         <source>the id &apos;{id}&apos; was used for &apos;{item}&apos;: give each mark a new UUID</source>
         <translation>die Kennung „{id}“ wurde für „{item}“ verwendet: Geben Sie jeder Wertung eine neue UUID</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>entry {number} was not late: no entry of this sheet is</source>
+        <translation>Eintrag {number} war nicht zu spät: Auf diesem Bogen ist es keiner</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
+        <source>entry {number} was not late: the run had taken {time}, and its time limit is {limit}</source>
+        <translation>Eintrag {number} war nicht zu spät: Der Lauf dauerte da {time}, das Zeitlimit ist {limit}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/stages.py"/>

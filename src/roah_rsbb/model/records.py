@@ -108,6 +108,7 @@ class ScoreEntry(NamedTuple):
     device: str = ""  # from which it was sent; empty: not known
     clock_s: Optional[float] = None  # counted seconds of the run at that time; None: not known
     in_time: bool = False  # a referee said so of an entry that was made after the time limit
+    in_time_by: str = ""  # ... who said so last, or that it was late; empty: nobody
     void: Said = ""  # why it does not count although nobody withdrew it; empty: it counts
 
 

@@ -56,6 +56,7 @@ class HistoryEntry(NamedTuple):
     judge: str = ""  # who gave the rating; empty: it is not one
     clock_s: Optional[float] = None  # counted seconds of the run when it was made; None: not known
     in_time: bool = False  # a referee said so of an entry that was made after the time limit
+    in_time_by: str = ""  # ... who said so last, or that it was late; empty: nobody
     void: Said = ""  # why it does not count although nobody withdrew it; empty: it counts
 
 

@@ -120,6 +120,7 @@ HIDDEN: Dict[type, Dict[str, Callable[[Names, Any], Any]]] = {
     RunRecord: {"team": _team, "robots": _robots, "marks": _nothing},
     ScoreEntry: {
         "who": Names.person, "note": Names.text, "judge": Names.person, "withdrawn_by": Names.person,
+        "in_time_by": Names.person,
         "withdrawn_note": Names.text, "device": lambda names, device: names.of("device", device)},
     Rating: {"judge": Names.person},
     ScoreValue: {"value": _module_value},

@@ -130,11 +130,11 @@ class RunBook:
             return state.elapsed_s
         return state.elapsed_s + max(0.001, now.utc - state.stops[-1].utc)
 
-    def say_in_time(self, number: int, in_time: bool) -> Marked:
+    def say_in_time(self, who: str, number: int, in_time: bool) -> Marked:
         """See `ScoreSheet.say_in_time`."""
         self._check_not_judged()
         standing = self._items_by_name()
-        entry = self.sheet.say_in_time(number, in_time)
+        entry = self.sheet.say_in_time(who, number, in_time)
         return self._entry_changed(standing, entry, f"entry {entry.number} was {'in time' if in_time else 'late'}")
 
     def withdraw(self, now: Now, by: By, number: int) -> Marked:
@@ -284,10 +284,10 @@ class FinishedRun:
         self._check_open()
         return self._changed(self._book.withdraw(now, by, number).text)
 
-    def say_in_time(self, _now: Now, _by: By, number: int, in_time: bool) -> str:
+    def say_in_time(self, _now: Now, by: By, number: int, in_time: bool) -> str:
         """See `ScoreSheet.say_in_time`. Raises `Refused`."""
         self._check_open()
-        return self._changed(self._book.say_in_time(number, in_time).text)
+        return self._changed(self._book.say_in_time(by.who, number, in_time).text)
 
     def take_back(self, now: Now, by: By, mark_id: str) -> str:
         """Take back a mark; the text is empty if it was taken back before. Raises `Refused`."""

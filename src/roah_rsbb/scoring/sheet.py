@@ -46,6 +46,7 @@ from roah_rsbb.scoring.points import jury_text, text_of, whole_part
 from roah_rsbb.scoring.tree import Course
 from roah_rsbb.wording.sheets import item_value
 from roah_rsbb.wording.texts import did_you_mean
+from roah_rsbb.wording.times import elapsed
 
 # Changes of an item by the same person within this time (s) after an entry belong to that entry.
 ONE_ENTRY_S = 1.0
@@ -315,13 +316,25 @@ class ScoreSheet:
             raise Refused([say("that mark shares an entry of the history with others: set the value instead")])
         return self.withdraw(now, who, number, note, correction)
 
-    def say_in_time(self, number: int, in_time: bool = True) -> ScoreEntry:
-        """Say that what an entry marks happened before the time limit, or take that back. Returns the entry. Raises
+    def say_in_time(self, who: str, number: int, in_time: bool = True) -> ScoreEntry:
+        """Say that what a late entry marks happened before the time limit, or take that back. Returns the entry. Raises
         `Refused`."""
         index = self._index(number)
-        self._history[index] = self._history[index]._replace(in_time=in_time)
+        entry = self._history[index]
+        if not self._is_late(entry):
+            limit = self._rules.limit_s
+            raise Refused([
+                say("entry {number} was not late: no entry of this sheet is")(number=number) if limit is None else
+                say("entry {number} was not late: the run had taken {time}, and its time limit is {limit}")(
+                    number=number, time=elapsed(entry.clock_s or 0.0), limit=elapsed(float(limit)))])
+        self._history[index] = entry._replace(in_time=in_time, in_time_by=who)
         self._stand()
         return self._history[index]
+
+    def _is_late(self, entry: ScoreEntry) -> bool:
+        """Whether an entry was made after the time limit."""
+        limit = self._rules.limit_s
+        return limit is not None and entry.clock_s is not None and entry.clock_s > limit
 
     def _why_wrong(self, entry: ScoreEntry) -> str:
         """Return why the value of this entry's item is outside the limits; empty: it is not."""
@@ -349,9 +362,7 @@ class ScoreSheet:
     def _divided(self, index: int, later: ScoreEntry) -> bool:
         """Whether an incident, or the time limit, lies between an entry and a later one: the moment of each
         decides whether it counts."""
-        limit, first = self._rules.limit_s, self._history[index]
-        late = [limit is not None and entry.clock_s is not None and entry.clock_s > limit and not entry.in_time
-                for entry in (first, later)]
+        late = [self._is_late(entry) and not entry.in_time for entry in (self._history[index], later)]
         return late[0] is not late[1] or any(
             entry.group == INCIDENTS for entry in self._history[index + 1:] if entry.number < later.number)
 

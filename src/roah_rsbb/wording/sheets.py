@@ -259,7 +259,8 @@ def history_entry(entry: ScoreEntry, kind: str) -> HistoryEntry:
         entry.number, entry.utc, author(entry.who, entry.role, entry.device), entry.group, entry.desc, kind,
         entry.old, entry.old_not_attempted, entry.value, entry.not_attempted, entry.note, entry.correction,
         entry.withdrawn_utc or None, entry.withdrawn_by, entry.withdrawn_note, entry.withdrawal_corrects,
-        entry.old_text, entry.text, entry.judge, entry.clock_s, entry.in_time, entry.void)
+        entry.old_text, entry.text, entry.judge, entry.clock_s, entry.in_time, entry.in_time_by,
+        entry.void)
 
 
 class EntryTexts(NamedTuple):
@@ -273,7 +274,7 @@ class EntryTexts(NamedTuple):
     note: str
     correction: str
     withdrawn: str
-    void: str = ""  # why it does not count although nobody withdrew it
+    void: str = ""  # why it does not count although nobody withdrew it, and who said whether it was in time
 
 
 def entry_texts(entry: HistoryEntry, when: When) -> EntryTexts:
@@ -283,8 +284,17 @@ def entry_texts(entry: HistoryEntry, when: When) -> EntryTexts:
     return EntryTexts(
         str(entry.number), when(entry.utc_s), person(entry.who), f"{entry.group}: {entry.item}{_of_judge(entry)}",
         f"{old} → {new}", entry.note, tr(CORRECTION) if entry.correction else "", _withdrawal(entry, when),
-        tr_said(entry.void) if entry.void else tr(IN_TIME) if entry.in_time else "",
+        _counting(entry),
     )
+
+
+def _counting(entry: HistoryEntry) -> str:
+    """Return why an entry does not count although nobody withdrew it, and who said whether it was in time."""
+    by = person(entry.in_time_by)
+    said = "" if not by else tr("in time, says {name}", name=by) if entry.in_time else tr("late, says {name}", name=by)
+    if entry.in_time and not by:
+        said = tr(IN_TIME)
+    return "; ".join(filter(None, (tr_said(entry.void) if entry.void else "", said)))
 
 
 def _withdrawal(entry: HistoryEntry, when: When) -> str:

@@ -122,7 +122,8 @@ def _write_secrets(log_dir):
     record = record._replace(
         team=team, robots=(robot,),
         items=(*record.items, ItemRecord("Jury", "Poster", "rating", 7, text="7", ratings=(Rating(judge, "7"),))),
-        history=tuple(entry._replace(who=referee, device=text, note=text, withdrawn_by=referee, withdrawn_note=text)
+        history=tuple(entry._replace(who=referee, device=text, note=text, withdrawn_by=referee, withdrawn_note=text,
+                                     in_time_by=referee)
                       for entry in record.history),
         stops=tuple(stop._replace(who=referee, reason=text, reason_by=referee, desc=text) for stop in record.stops),
         sign_off=record.sign_off._replace(who=referee),

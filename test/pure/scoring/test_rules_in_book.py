@@ -96,16 +96,33 @@ def test_entries_of_one_second_are_one_unless_an_incident_divides_them():
     assert book.total() == "10"
 
 
-@pytest.mark.parametrize("clock_s, reason, total", [(420, "timeout", "10"), (200, "completed", "30")])
-def test_marks_after_the_time_limit_are_late_until_a_referee_says_otherwise(clock_s, reason, total):
-    book = Book().at(100, "Finds an object", added="1").end(clock_s, reason)
-    book.at(clock_s + 5, "Finds an object", added="2")
-    assert (book.total(), book.value("Finds an object")) == (total, int(total) // 10)
-    book.book.say_in_time(2, True)
+def test_marks_after_the_end_of_a_run_that_ended_before_its_limit_count():
+    book = Book().at(100, "Finds an object", added="1").end(200, "completed").at(205, "Finds an object", added="2")
+    assert (book.total(), book.value("Finds an object")) == ("30", 3)
+
+
+def test_marks_after_the_time_limit_are_late_until_a_referee_says_otherwise():
+    book = Book().at(100, "Finds an object", added="1").end(420).at(425, "Finds an object", added="2")
+    assert (book.total(), book.value("Finds an object")) == ("10", 1)
+    book.book.say_in_time("Ben", 2, True)
     assert book.total() == "30"
     assert not any(entry.void for entry in book.book.sheet.history)
-    book.book.say_in_time(2, False)
-    assert book.total() == total
+    assert [(entry.in_time, entry.in_time_by) for entry in book.book.sheet.history] == [(False, ""), (True, "Ben")]
+    book.book.say_in_time("Cleo", 2, False)
+    assert book.total() == "10"
+    assert (book.book.sheet.history[1].in_time, book.book.sheet.history[1].in_time_by) == (False, "Cleo")
+
+
+@pytest.mark.parametrize("sheet, why", [
+    (SHEET, "entry 1 was not late: the run had taken 1:40.0, and its time limit is 7:00.0"),
+    (replace(SHEET, limit_s=None), "entry 1 was not late: no entry of this sheet is"),
+])
+@pytest.mark.parametrize("in_time", [True, False])
+def test_an_entry_that_was_not_late(sheet, why, in_time):
+    book = Book(sheet).at(100, "Finds an object", added="1").end(420)
+    with pytest.raises(Refused) as refused:
+        book.book.say_in_time("Ben", 1, in_time)
+    assert (refused.value.reasons, book.book.sheet.history[0].in_time_by) == ([why], "")
 
 
 def test_a_late_mark_that_takes_away_corrects():

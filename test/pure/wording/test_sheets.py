@@ -94,6 +94,9 @@ def test_an_entry_in_one_line():
     late = _texts(void=Reason("after the limit of {limit}", {"limit": "7:00"}))
     assert sheets.entry_line(late).endswith(": 1 → 2; after the limit of 7:00")
     assert sheets.entry_line(_texts(in_time=True)).endswith(": 1 → 2; in time")
+    assert sheets.entry_line(_texts(in_time=True, in_time_by="Ben (/web)")).endswith(": 1 → 2; in time, says Ben")
+    again = _texts(in_time_by="Ben", void=Reason("after the limit of {limit}", {"limit": "7:00"}))
+    assert sheets.entry_line(again).endswith(": 1 → 2; after the limit of 7:00; late, says Ben")
     assert sheets.entry_line(full, "<{}>".format).endswith("(video); <correction>; <withdrawn at 01:01:01Z>")
 
 

@@ -418,9 +418,9 @@ class ZoneRun(abc.ABC):
         """Withdraw an entry of the score sheet. Raises `Refused`."""
         self._score_changed(now, self.book.withdraw(now, by, number))
 
-    def say_in_time(self, now: Now, _by: By, number: int, in_time: bool) -> None:
+    def say_in_time(self, now: Now, by: By, number: int, in_time: bool) -> None:
         """See `ScoreSheet.say_in_time`. Raises `Refused`."""
-        self._score_changed(now, self.book.say_in_time(number, in_time))
+        self._score_changed(now, self.book.say_in_time(by.who, number, in_time))
 
     def take_back(self, now: Now, by: By, mark_id: str) -> None:
         """Take back a mark of the score sheet. Raises `Refused`."""
