@@ -12,6 +12,7 @@ from roah_rsbb.scoring.earlier import key_id
 from roah_rsbb.scoring.tree import Course, Happened, SheetMark, void_marks
 
 NOTHING: Mapping[int, str] = {}
+MAX_ROUNDS = 5  # what does not count changes no more after two
 # A course is made again after each mark, mostly of the same numbers: reading one takes longer than all else.
 _read = functools.lru_cache(maxsize=4096)(Fraction)
 
@@ -28,10 +29,15 @@ def voided(
 ) -> Tuple[Course, Dict[int, str]]:
     """Return what happened, and the entries that do not count although nobody withdrew them, by number, and why."""
     history = course_of(sheet, rows, entries)
-    if not sheet.incidents and sheet.limit_s is None:
-        return history.course, {}
-    void = {history.numbers[index]: why for index, why in void_marks(sheet, history.course).items()}
-    return (course_of(sheet, rows, entries, void) if void else history).course, void
+    void: Dict[int, str] = {}
+    # What does not count decides whether a later entry takes something away, and so whether that one counts.
+    for _ in range(MAX_ROUNDS if sheet.incidents or sheet.limit_s is not None else 0):
+        found = {history.numbers[index]: why for index, why in void_marks(sheet, history.course).items()}
+        if found.keys() == void.keys():
+            break
+        void = found
+        history = course_of(sheet, rows, entries, void)
+    return history.course, void
 
 
 def course_of(
@@ -53,10 +59,11 @@ def course_of(
         item_id = id_of(row)
         before = standing.get(item_id, Fraction(0))
         after = _number(entry, row, before)
-        if entry.number not in void:
-            standing[item_id] = after
         # What takes something away corrects a mark: it is never too late.
-        in_time = entry.in_time or after <= before
+        in_time = entry.in_time or _takes_away(row, before, after)
+        is_late = sheet.limit_s is not None and at_s is not None and at_s > sheet.limit_s and not in_time
+        if entry.number not in void and not is_late:
+            standing[item_id] = after
         marks += [(mark._replace(at_s=at_s, in_time=in_time, order=order), entry.number)
                   for mark in _marks(kinds[item_id], entry, before, after)]
     return History(Course(
@@ -93,6 +100,15 @@ def _number(entry: ScoreEntry, row: ScoringItem, before: Fraction) -> Fraction:
     if entry.not_attempted:
         return Fraction(0)
     return _read(entry.text) if entry.text and not row.choices else _read(entry.value)
+
+
+def _takes_away(row: ScoringItem, before: Fraction, after: Fraction) -> bool:
+    """Whether an item has less than before, or nothing. Of choices, what counts is their points."""
+    if not row.choices or not after:
+        return after <= before
+    points = {number: choice.points for number, choice in enumerate(row.choices, 1)}
+    was, now = points.get(int(before)), points.get(int(after))
+    return was is not None and now is not None and now <= was
 
 
 def _marks(item: Item, entry: ScoreEntry, before: Fraction, after: Fraction) -> List[SheetMark]:

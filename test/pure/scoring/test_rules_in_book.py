@@ -10,7 +10,7 @@ from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import By, JudgeSheet, JudgingRecord, RunRecord, Settlement, SignOff
-from roah_rsbb.model.rules import Incident, Item, Measure, Sheet, Voids
+from roah_rsbb.model.rules import Incident, Item, ItemChoice, Measure, Sheet, Voids
 from roah_rsbb.model.scoring import INCIDENTS, SheetForm, rows
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.scoring.book import BookState, FinishedRun, RunBook
@@ -129,6 +129,40 @@ def test_a_late_mark_that_takes_away_corrects():
     book = Book().at(100, "Finds an object", added="3").end(420).at(430, "Finds an object", added="-1")
     assert book.total() == "20"
     assert book.at(440, "Finds an object", 1).total() == "10"
+
+
+@pytest.mark.parametrize("late, total", [
+    ([{"added": "2"}, {"value": 1}], "10"),  # none of it was there at the end
+    ([{"added": "2"}, {"value": 5}, {"value": 4}, {"value": 3}, {"value": 2}], "10"),
+    ([{"value": 0}, {"value": 1}], "0"),
+])
+def test_a_late_mark_that_corrects_a_late_one_is_late(late, total):
+    book = Book().at(100, "Finds an object", added="1").end(420)
+    for number, mark in enumerate(late):
+        book.at(430 + 10 * number, "Finds an object", **mark)
+    assert book.total() == total
+
+
+def test_a_late_mark_does_not_bring_back_what_a_restart_took():
+    book = Book().at(30, "Finds an object", added="3").incident(40, "restart").end(420)
+    assert book.at(430, "Finds an object", 2).total() == "0"
+    assert book.value("Finds an object") == 0
+
+
+@pytest.mark.parametrize("early, late, total", [
+    ("half", "all", "50"), ("all", "half", "50"), ("half", "nothing", "0"), ("nothing", "all", "0"), ("", "half", "0"),
+])
+def test_a_late_choice_corrects_only_to_less(early, late, total):
+    choices = tuple(ItemChoice(name, Decimal(points)) for name, points in (("all", 100), ("half", 50), ("nothing", 0)))
+    sheet = Sheet((Item("pours", "Pours", amount=Measure.CHOICE, choices=choices),), limit_s=Decimal(420))
+    book = Book(sheet)
+    (row,) = book.form.items
+    for clock_s, text in ((100, early), (430, late)):
+        if clock_s == 430:
+            book.end(420)
+        if text:
+            book.at(clock_s, "Pours", group=row.group, text=text)
+    assert book.total() == total
 
 
 def test_what_is_entered_after_the_end_counts_in_its_order():
