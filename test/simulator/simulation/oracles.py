@@ -199,8 +199,8 @@ class Oracles:
     # -- runs ---------------------------------------------------------------------------------------
 
     def _check_runs(self, box, core):
-        if box is not self._world.box:
-            return  # another one took over
+        if box is not self._world.box or box.process.is_busy(self._world.scheduler.now):
+            return  # another one took over; or nobody can look at it now, which would take the datagrams that wait
         self._looks += 1
         (self._world.ledger.look if self._looks % CLOSELY else self._world.ledger.look_closely)(core)
         for zone in core.box.zones.values():
