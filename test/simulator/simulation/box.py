@@ -49,8 +49,8 @@ class RunLogs:
 class Memory:
     """What a supervisor keeps for its cores: see `roah_rsbb.box.journal.Memory`."""
 
-    def __init__(self):
-        self.texts, self.kept = {}, {}
+    def __init__(self, trace):
+        self.texts, self.kept, self._trace = {}, {}, trace
 
     def begin(self):
         """The next core starts."""
@@ -63,7 +63,8 @@ class Memory:
         self.texts.pop(name, None)
 
     def send(self):
-        """Say that the core lives."""
+        """A core that did not run for a while asks its standby, and says that it lives."""
+        self._trace.end_comparison()
 
 
 class Box:
@@ -75,7 +76,7 @@ class Box:
         self.standby_port = standby_port
         self.backup = None  # copies the journal to a standby; None: there is none
         self.oracles = world.oracles
-        self.memory = Memory()
+        self.memory = Memory(world.trace)
         self.starts = 0
         self.is_lost = False  # it is never started again
         self.process = None  # of the present core
@@ -146,7 +147,7 @@ class Box:
         self.is_lost = self.is_lost or math.isinf(restart_s)
         (self.storage.cut if power else self.storage.killed)()
         if power:
-            self.memory = Memory()
+            self.memory = Memory(self.world.trace)
             self.computer.boot()
             if self.backup is not None:
                 self.backup.end()

@@ -117,7 +117,7 @@ class Oracles:
         """A box shows its document."""
         if box is self._world.box:
             self._world.shown.look(core, document)
-        if self._world.is_compared:
+        if self._world.is_compared and self._world.trace.compared is None:
             self._world.documents.append(repr(document).replace(self._world.folder, ""))
 
     # -- the disks ----------------------------------------------------------------------------------
