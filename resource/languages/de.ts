@@ -1723,6 +1723,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>by an incident</source>
+        <translation>durch Vorfall</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>After the time limit: it does not count</source>
         <translation>Nach dem Zeitlimit: zählt nicht</translation>
     </message>
@@ -1815,6 +1820,11 @@
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>{points} points</source>
         <translation>{points} Punkte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>{points} points, and {more} for the team</source>
+        <translation>{points} Punkte, und {more} für das Team</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
@@ -5555,6 +5565,21 @@
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{item}: does not count with {other}</source>
         <translation>{item}: zählt nicht mit {other}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{item}: {points} for the team, whichever attempt counts</source>
+        <translation>{item}: {points} für das Team, welcher Versuch auch zählt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{item}: 0 of {points}, because the robot did not complete the run</source>
+        <translation>{item}: 0 von {points}, weil der Roboter den Lauf nicht abgeschlossen hat</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/tree.py"/>
+        <source>{why}: 0 of {points}</source>
+        <translation>{why}: 0 von {points}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>

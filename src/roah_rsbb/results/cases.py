@@ -88,7 +88,7 @@ def answer(case: Mapping[str, Any], rules: CaseRules) -> CaseAnswer:
     worths = [_worth(attempt, benchmark) for attempt in attempts]
     if len(worths) == 1:
         found, steps = worths[0]
-        return CaseAnswer(found.total + found.charged, (*steps, *_charged([found])))
+        return CaseAnswer(found.total + found.charged, steps)
     return _together(worths, benchmark, rules)
 
 
@@ -155,11 +155,7 @@ def _together(worths: Sequence[Tuple[Worth, Tuple[str, ...]]], benchmark: Benchm
     charged = sum((found.charged for found, _ in worths), Fraction(0))
     numbers = ", ".join(number_text(found.total) for found, _ in worths)
     steps.append(f"{rule} of {numbers}: {number_text(points - charged)}")
-    return CaseAnswer(points, (*steps, *_charged([found for found, _ in worths])))
-
-
-def _charged(worths: Sequence[Worth]) -> List[str]:
-    return [f"{number_text(each.charged)} for the team, whichever attempt counts" for each in worths if each.charged]
+    return CaseAnswer(points, tuple(steps))
 
 
 def _marks(entry: Sequence[Any], sheet: Sheet) -> List[SheetMark]:
@@ -168,6 +164,9 @@ def _marks(entry: Sequence[Any], sheet: Sheet) -> List[SheetMark]:
         raise NotPossible(f"{entry!r} is not a mark: write [name of the row, how often, {{options}}]")
     text, number, options = entry[0], entry[1], _as(dict, (*entry, {})[2] or {}, "options of a mark")
     item = _row(str(text), options, sheet)
+    if item.amount is Measure.CLOCK:
+        raise NotPossible(f"a mark of {item.name!r}, the time that was left: nobody marks it. Give 'elapsed', and "
+                          "'completed' if the robot completed the run")
     mark = SheetMark(
         item.id, _number(number), text=str(options.get("choice", "")), at_s=_seconds(options.get("t")),
         refused=str(options.get("refused", "")), name=str(options.get("label", "")))

@@ -180,6 +180,8 @@ def _points_rows(record: RunRecord) -> Iterator[Dict[str, Cell]]:
     for name, points in record.points.groups:
         yield {"kind": "group", "group": name, "points": _number(points)}
     yield {"kind": "total", "points": _number(record.points.total)}
+    if record.points.for_team:
+        yield {"kind": "for_team", "points": _number(record.points.for_team)}
 
 
 def _phase_rows(record: RunRecord) -> Iterator[Dict[str, Cell]]:

@@ -198,7 +198,7 @@ def _what(item: ItemRecord) -> str:
 
 def _value(item: ItemRecord) -> str:
     text = sheets.in_words(item)
-    return f"{text} ×" if item.kind in ("uint", "int") and not item.not_attempted else text
+    return f"{text} ×" if item.kind in ("uint", "int") and text == str(item.value) else text
 
 
 def _points(rules: Rules, items: Sequence[ItemRecord]) -> str:
@@ -220,6 +220,8 @@ def _totals(record: RunRecord, rules: Optional[Rules]) -> Iterator[Tuple[str, st
     """Yield the points, and the numbers by which the run is ranked."""
     if record.points is not None:
         yield "Points", record.points.total
+        if record.points.for_team:
+            yield "For the team", record.points.for_team
     if not record.started_utc or (record.points is not None and rules is None):
         return
     standing = standing_of_run(record, rules)

@@ -36,6 +36,9 @@ AT_MOST = say("{item}: {sum}, at most {limit}: {points}")
 CAPPED = say("{item}: {number} ×, only {times} × count")
 LACKS = say("{item}: does not count without {needs}")
 BARRED = say("{item}: does not count with {other}")
+FOR_TEAM = say("{item}: {points} for the team, whichever attempt counts")
+NOT_COMPLETED = say("{item}: 0 of {points}, because the robot did not complete the run")
+NOT_GIVEN = say("{why}: 0 of {points}")
 MORE_THAN = say("{item}: {number} ×, but {other} only {times} ×")
 
 
@@ -556,7 +559,8 @@ class _Tree:
         else:
             terms = [] if item.amount is Measure.SECTION else [self._own(item, times)]
             self.own[item.id] = sum(terms, ZERO)
-            if times.total() not in (ZERO, ONE) and item.points and item.amount is not Measure.POINTS:
+            if times.total() not in (ZERO, ONE) and item.points and item.amount not in (
+                    Measure.POINTS, Measure.CLOCK):
                 self.steps.append(TIMES(item=item.name, number=number_text(times.total()),
                                         each=number_text(Fraction(item.points)), points=number_text(terms[0])))
             for child in () if self._barred(item) else self._under.get(item.id, ()):
@@ -571,6 +575,8 @@ class _Tree:
         if not item.for_team:
             return points
         self.charged += points
+        if points:
+            self.steps.append(FOR_TEAM(item=item.name, points=number_text(points)))
         return ZERO
 
     def _own(self, item: Item, times: _Times) -> Fraction:
@@ -585,10 +591,15 @@ class _Tree:
     def _clock_points(self, item: Item) -> Fraction:
         """Return the points for the time left: if what it needs is given, or else if the robot completed the run."""
         course, limit = self._course, self._sheet.limit_s if self._sheet.clock_s is None else self._sheet.clock_s
-        if not course.ended or limit is None or self._barred(item) or not (item.needs or course.completed):
+        if not course.ended or limit is None:
             return ZERO
         full = max(ZERO, Fraction(str(limit)) - course.elapsed_s) // Fraction(item.seconds)
-        return Fraction(item.points or 0) * full
+        points, why = Fraction(item.points or 0) * full, self._barred(item)
+        if points and why:
+            self.steps.append(NOT_GIVEN(why=why, points=number_text(points)))
+        elif points and not item.needs and not course.completed:
+            self.steps.append(NOT_COMPLETED(item=item.name, points=number_text(points)))
+        return points if not why and (item.needs or course.completed) else ZERO
 
     def _share_of(self, item: Item, base: Fraction) -> Fraction:
         """Return the points of an item that is a percentage of what the items before it left."""

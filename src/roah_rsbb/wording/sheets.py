@@ -7,7 +7,7 @@ are shown in the format that the caller passes (`When`).
 import json
 import math
 import re
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from roah_rsbb.model.reason import joined, say
 from roah_rsbb.model.records import ItemRecord, Outage, ScoreEntry, SheetPoints
@@ -20,6 +20,7 @@ NOT_ATTEMPTED = tr_later("not attempted")
 CORRECTED = tr_later("corrected")
 NOT_SAVED = tr_later("not saved yet")
 IN_TIME = tr_later("in time")
+BY_INCIDENT = tr_later("by an incident")
 LATE = tr_later("After the time limit: it does not count")
 CORRECTION = tr_later("correction")
 OPEN = tr_later("open")
@@ -46,6 +47,7 @@ END_REASONS = {
 _AWAY = say("The box was away for {time} s of the run")
 _AWAY_IN_GOAL = say("The box was away for {time} s of goal {goal}")
 _POINTS = say("{points} points")
+_POINTS_AND = say("{points} points, and {more} for the team")
 _TIME_LEFT = say("Time left")  # the name of a group of the box's own: `model.scoring.TIME_LEFT`
 _LEFT_OUT = say("{text}. The robot was done meanwhile, so {left_out} s are not counted: the true time is up to "
                 "{left_out} s longer. Check it")
@@ -141,6 +143,8 @@ def author(who: str, role: str, device: str) -> str:
 
 def item_text(item: SheetItem) -> str:
     """Return the value of a scoring item of a sheet."""
+    if _is_by_incident(item):
+        return tr(BY_INCIDENT)
     text = item_value(item.type, item.value, item.not_attempted, item.text)
     return f"{text} {item.unit}" if item.unit and not item.not_attempted else text
 
@@ -163,7 +167,14 @@ def item_value(type_: str, value: int, not_attempted: bool = False, text: str = 
 
 def in_words(item: ItemRecord) -> str:
     """Return the value of an item as people read it."""
+    if _is_by_incident(item):
+        return tr(BY_INCIDENT)
     return item_value(item.kind, item.value, item.not_attempted, item.text)
+
+
+def _is_by_incident(item: Union[SheetItem, ItemRecord]) -> bool:
+    """Whether an item that nobody has marked has points: only an incident gives them."""
+    return not (item.not_attempted or is_marked(item.value, item.text)) and item.points not in ("", "0")
 
 
 def ratings_text(ratings: Iterable[Tuple[str, str]]) -> str:
@@ -196,6 +207,8 @@ def points_said(points: SheetPoints) -> str:
     """Return the points, such as "85 points: Achievements 100 · Penalized -15"; of a single group only the total."""
     found = [joined([_TIME_LEFT if name == _TIME_LEFT else name, number], " ") for name, number in points.groups]
     said = _POINTS(points=points.total)
+    if points.for_team:
+        said = _POINTS_AND(points=points.total, more=points.for_team)
     return said if len(found) < 2 else joined([said, joined(found, " · ")], ": ")
 
 

@@ -104,8 +104,14 @@ def test_cases_for_programs(capsys, tmp_path):
     (CASE, ["--rulebook", "athome2027"], "no rulebook 'athome2027'"),
     ({**CASE, "kind": "standings"}, ["--rulebook", "erl2019"], "no stages"),
     ("{", [], "is not JSON"),
+    ({"sheet": "Timed", "marks": [["Time bonus", 60]]}, ["--rulebook", "OWN"],
+     "a mark of 'Time bonus', the time that was left: nobody marks it. Give 'elapsed', and 'completed' if"),
 ])
 def test_what_does_not_fit_together(capsys, tmp_path, content, options, error):
+    (tmp_path / "benchmarks.yaml").write_text(
+        "- { name: Timed, desc: Timed, code: Timed, kind: task, timeout: 60, sheet: [ { item: Time bonus, "
+        "amount: clock, points: 1 } ] }")
+    options = [str(tmp_path) if option == "OWN" else option for option in options]
     status, out, err = tried(capsys, tmp_path, content, *options)
     assert (status, out) == (1, "")
     assert error in err

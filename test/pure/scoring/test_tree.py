@@ -76,6 +76,18 @@ def test_a_percentage_of_the_whole_sheet():
 def test_points_for_the_team_are_not_part_of_the_sheet():
     found = worth([row("done", 10), row("absent", -500, for_team=True)], mark("done"), mark("absent"))
     assert (found.total, found.charged) == (10, -500)
+    assert "absent: −500 for the team, whichever attempt counts" in found.steps
+
+
+@pytest.mark.parametrize("completed, needs, elapsed_s, points, steps", [
+    (True, (), 240, 60, []), (False, (), 240, 0, ["left: 0 of 60, because the robot did not complete the run"]),
+    (True, ("done",), 240, 0, ["left: does not count without done: 0 of 60"]), (False, (), 300, 0, []),
+])
+def test_why_the_time_that_was_left_does_not_count(completed, needs, elapsed_s, points, steps):
+    left = Item("left", "left", amount=Measure.CLOCK, points=Decimal(1), needs=tuple(map(Condition, needs)))
+    found = count(Sheet((row("done", 10), left), clock_s=300.0),
+                  Course((), ended=True, completed=completed, elapsed_s=Fraction(elapsed_s)))
+    assert (found.total, [step for step in found.steps if "left" in step]) == (points, steps)
 
 
 @pytest.mark.parametrize("net, points", [(False, 50 - 20 + 10), (True, 10)])

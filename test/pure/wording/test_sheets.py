@@ -4,6 +4,8 @@ import pytest
 
 from roah_rsbb.model.modules import ScoreValue
 from roah_rsbb.model.reason import Reason
+from roah_rsbb.model.records import ItemRecord, SheetPoints
+from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.sheets import GroupOfValues, HistoryEntry, score_line, scores_by_group, sums_text
 
@@ -27,6 +29,20 @@ def test_the_value_of_an_item(type_, value, not_attempted, text):
 def test_the_value_of_an_item_that_is_not_a_whole_number(type_, value, text):
     assert sheets.item_value(type_, value, False, text) == text
     assert sheets.item_value(type_, value, True, text) == "not attempted"
+
+
+@pytest.mark.parametrize("kind, value, text, points, shown", [
+    ("bool", 0, "", "-162.5", "by an incident"), ("uint", 0, "", "5", "by an incident"), ("bool", 0, "", "0", "no"),
+    ("choice", 0, "", "-10", "by an incident"), ("decimal", 0, "0", "", "0"), ("bool", 1, "", "-10", "yes"),
+])
+def test_an_item_that_an_incident_marks(kind, value, text, points, shown):
+    assert sheets.in_words(ItemRecord("G", "item", kind, value, text=text, points=points)) == shown
+    assert sheets.item_text(SheetItem("G", "item", kind, value, text=text, points=points)) == shown
+
+
+@pytest.mark.parametrize("for_team, text", [("", "200 points"), ("-7", "200 points, and -7 for the team")])
+def test_points_for_the_team_are_beside_those_of_the_sheet(for_team, text):
+    assert sheets.points_text(SheetPoints("200", (), for_team=for_team)) == text
 
 
 def test_a_rating_in_the_history_names_its_judge():
