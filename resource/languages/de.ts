@@ -5569,7 +5569,7 @@
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>
         <source>{item}: {points} for the team, whichever attempt counts</source>
-        <translation>{item}: {points} für das Team, welcher Versuch auch zählt</translation>
+        <translation>{item}: {points} für das Team, gleich welcher Versuch zählt</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/tree.py"/>

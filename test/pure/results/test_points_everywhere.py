@@ -11,7 +11,7 @@ from helpers.competition import UTC0
 from helpers.random_sheets import TIME_LIMIT_S, random_form, random_mark
 from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.records import By, RunRecord, SignOff
+from roah_rsbb.model.records import By, ItemRecord, RunRecord, SignOff
 from roah_rsbb.results.export import exported, result_rows, safe
 from roah_rsbb.results.paper import blank_front, front_of
 from roah_rsbb.results.runs import RunResult
@@ -63,6 +63,21 @@ def test_points_are_the_same_everywhere(seed):
         assert number_text(best[record.team][0]) == total
     ranked = [Fraction(next(r for r in records if r.team == line.team).points.total) for line in standing.lines]
     assert ranked == sorted(ranked, reverse=True)
+
+
+def test_points_for_the_team_and_of_incidents_are_on_each_sheet():
+    chance = random.Random(1)
+    record = _record(chance, random_form(chance), 1, TEAMS[0])
+    incident = ItemRecord("Incidents", "Collision", "uint", 0, points="-162.5")
+    record = record._replace(points=record.points._replace(for_team="-7"), items=(*record.items, incident))
+    result = RunResult(1, record, (), ())
+    assert any(line.endswith(" points, and -7 for the team") or " points, and -7 for the team: " in line
+               for line in sheet_lines(result, True, False))
+    assert "by an incident" in sheet_page(result, True)
+    assert [row["points"] for row in result_rows([record], True) if row["kind"] == "for_team"] == [-7]
+    front = front_of(record, None, "", True)
+    assert ("For the team", "-7") in front.totals
+    assert "by an incident" in {line.value for group in front.groups for line in group.lines}
 
 
 def _check_lines(lines, record):
