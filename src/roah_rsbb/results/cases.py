@@ -174,7 +174,10 @@ def _marks(entry: Sequence[Any], sheet: Sheet) -> List[SheetMark]:
     if amount is not None:
         return _of_amount(mark, _number(amount), item, sheet)
     if "percent" in options:
-        mark = mark._replace(share=_number(options["percent"]) / 100)
+        share = _number(options["percent"]) / 100
+        if not 0 <= share <= 1:
+            raise NotPossible(f"{options['percent']!r} as 'percent' of a mark: write a number from 0 to 100")
+        mark = mark._replace(share=share)
     return [mark]
 
 

@@ -93,6 +93,8 @@ def test_cases_for_programs(capsys, tmp_path):
     ({"sheet": GPSR, "marks": [["x", "1/0", {"i": 0}]]}, [], "'1/0' is not a number"),
     ({"sheet": GPSR, "marks": [["x", "1e99999", {"i": 0}]]}, [], "'1e99999' is no number of a case: write one with"),
     ({"sheet": GPSR, "marks": [["x", 1, "0"]]}, [], "'0' as options of a mark of a case: write a map"),
+    ({"sheet": GPSR, "marks": [["x", 1, {"i": 4, "percent": 150}]]}, [], "150 as 'percent' of a mark: write a number"),
+    ({"sheet": GPSR, "marks": [["x", 1, {"i": 4, "percent": -1}]]}, [], "-1 as 'percent' of a mark: write a number"),
     ({"sheet": GPSR, "marks": {"Understands": 1}}, [], "as marks of a case: write a list"),
     ({"sheet": GPSR, "events": ["restarted"]}, [], "'restarted' as event of a case: write a map"),
     ({"sheet": GPSR, "events": [{"type": "absent", "announced_min_before": [60]}]}, [],
