@@ -268,3 +268,10 @@ def test_marks_follow_their_rows_to_other_names():
         (*places[0], 5), (*places[1], 1)]
     assert [(entry.group, entry.desc) for entry in found.judging.sheets[0].history] == places
     assert [(each.group, each.desc) for each in found.judging.settlements] == places[1:]
+
+
+def test_points_for_the_team_are_in_the_record_beside_the_total():
+    sheet = replace(SHEET, items=tuple(replace(item, for_team=item.id == "away") for item in SHEET.items))
+    book = Book(sheet).at(30, "Finds an object", added="3").at(40, "Does not attend", 1, group=SPECIAL)
+    points = book.book.counted("").points
+    assert (points.total, points.for_team) == ("30", "-500")
