@@ -43,7 +43,7 @@ from roah_rsbb.model.scoring import (
 )
 from roah_rsbb.scoring.course import voided, with_ratings
 from roah_rsbb.scoring.points import jury_text, text_of, whole_part
-from roah_rsbb.scoring.tree import Course
+from roah_rsbb.scoring.tree import Course, moments
 from roah_rsbb.wording.sheets import item_value
 from roah_rsbb.wording.texts import did_you_mean
 from roah_rsbb.wording.times import elapsed
@@ -112,6 +112,7 @@ class ScoreSheet:
         self._items: Dict[Key, ScoringItem] = {i.key: i for i in items}
         self._rules = rules or Sheet()
         self._course = Course()  # what the history says
+        self._moments: Tuple[Fraction, ...] = ()  # when incidents come by themselves
         self._void: Dict[int, str] = {}  # number of an entry -> why it does not count although nobody withdrew it
         self._taken: Dict[str, int] = {}  # identity of a mark -> the number of its entry; 0: it made none
         for line in self.state.marks.splitlines():
@@ -360,10 +361,12 @@ class ScoreSheet:
         return None
 
     def _divided(self, index: int, later: ScoreEntry) -> bool:
-        """Whether an incident, or the time limit, lies between an entry and a later one: the moment of each
-        decides whether it counts."""
-        late = [self._is_late(entry) and not entry.in_time for entry in (self._history[index], later)]
+        """Whether an incident, also one that comes by itself, or the time limit, lies between an entry and a later
+        one: the moment of each decides whether it counts."""
+        first = self._history[index]
+        late = [self._is_late(entry) and not entry.in_time for entry in (first, later)]
         return late[0] is not late[1] or any(
+            (first.clock_s or 0.0) <= at_s < (later.clock_s or 0.0) for at_s in self._moments) or any(
             entry.group == INCIDENTS for entry in self._history[index + 1:] if entry.number < later.number)
 
     def _replace(self, index: int, entry: ScoreEntry) -> int:
@@ -498,6 +501,8 @@ class ScoreSheet:
         self._standing = {}
         if self._rules.items:
             self._course, self._void = voided(self._rules, self._items, self._history)
+            self._moments = moments(self._rules, self._course) if any(
+                incident.of for incident in self._rules.incidents) else ()
         for entry in self._history:
             if not entry.withdrawn_utc and entry.number not in self._void:
                 place = (entry.group, entry.desc, entry.judge)

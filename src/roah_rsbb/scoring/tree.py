@@ -110,6 +110,11 @@ def void_marks(sheet: Sheet, course: Course) -> Mapping[int, str]:
     return _Run(sheet, course).go_through()[1]
 
 
+def moments(sheet: Sheet, course: Course) -> Tuple[Fraction, ...]:
+    """Return when incidents come by themselves, unless what leads to them is ended before."""
+    return tuple(each.at_s or ZERO for each in _Run(sheet, course._replace(ended=True)).by_themselves())
+
+
 # -- what happened ----------------------------------------------------------------------------------
 
 
@@ -136,7 +141,7 @@ class _Run:
     def go_through(self) -> Tuple[List[str], Dict[int, str]]:
         """Return what was decided, in words, and the marks that do not count."""
         self._drop_late()
-        for happened in sorted([*self.course.incidents, *self._by_themselves()], key=_when):
+        for happened in sorted([*self.course.incidents, *self.by_themselves()], key=_when):
             rule = self.rules.get(happened.incident, Incident(happened.incident))
             if not self._is_over(rule, happened):
                 self._take(rule, happened)
@@ -206,7 +211,7 @@ class _Run:
         return min((each for each in self.course.incidents if each.incident in rule.ends and each.at_s is not None
                     and start.at_s is not None and _moment(each) >= _moment(start)), key=_moment, default=None)
 
-    def _by_themselves(self) -> List[Happened]:
+    def by_themselves(self) -> List[Happened]:
         """Return the incidents that follow from others because a time is over, unless something ends these before, or
         the run ended before."""
         found = []

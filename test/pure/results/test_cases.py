@@ -150,3 +150,12 @@ def test_an_adjustment_is_known_by_its_name_or_else_by_its_points(reason, total)
 def test_when_an_absence_was_announced(minutes, points):
     case = {"sheet": GPSR, "events": [{"t": None, "type": "absent", "announced_min_before": minutes}], "marks": None}
     assert answer(case, rules()).points == points
+
+
+@pytest.mark.parametrize("reading, finalists", [("last", 4), ("its place stays free", 4), ("out of the list", 3)])
+def test_a_disqualified_team_is_one_of_those_that_took_part_while_it_is_in_the_list(reading, finalists):
+    teams = {f"T{number}": {"attempts": {"GPSR": [100 * number]}} for number in range(9)}
+    teams["T0"]["team_adjustments"] = [["Disqualified for the competition", 0]]
+    case = {"kind": "standings", "teams": teams}
+    found = answer(case, rules(("Team that was disqualified for the competition", reading))).as_json()
+    assert len(found["finalists"]) == finalists

@@ -88,6 +88,14 @@ def test_a_restart_that_comes_too_late_has_no_effect():
     assert "restart (0:40.0): 40 points, allowed below 40: it has no effect" in book.steps()
 
 
+@pytest.mark.parametrize("clock_s, entries, total", [(89.9, 1, "20"), (90.3, 2, "10")])
+def test_entries_of_one_second_are_two_if_a_time_ends_between_them(clock_s, entries, total):
+    removed = Incident("removed", of="inactive", after=Decimal(30), voids=Voids.LATER)
+    book = Book(replace(SHEET, incidents=(Incident("inactive"), removed))).incident(60, "inactive")
+    book.at(89.7, "Finds an object", added="1").at(clock_s, "Finds an object", added="1")
+    assert (len(book.book.sheet.history), book.total()) == (1 + entries, total)
+
+
 def test_entries_of_one_second_are_one_unless_an_incident_divides_them():
     book = Book().at(30, "Finds an object", added="1").at(30.5, "Finds an object", added="1")
     assert len(book.book.sheet.history) == 1
