@@ -67,6 +67,7 @@ class ItemRecord(NamedTuple):
     text: str = ""  # of other types: a decimal number, a choice, or the jury's result; empty: none yet
     ratings: Tuple[Rating, ...] = ()  # in the order of the judges; those who gave one
     points: str = ""  # a decimal number; empty: the item gives none
+    unit: str = ""  # of the value, such as %
 
     @property
     def key(self) -> Key:
@@ -127,6 +128,7 @@ class SheetPoints(NamedTuple):
     steps: Tuple[Said, ...] = ()  # how they came about, where a reader could doubt it
     for_team: str = ""  # a decimal number that the team gets whichever attempt counts, not in the total; empty: none
     replaces: bool = False  # the attempts before this run do not count
+    inner: Tuple[str, ...] = ()  # names of the groups that are part of another one of `groups`
 
 
 class StopRecord(NamedTuple):

@@ -58,6 +58,7 @@ class HistoryEntry(NamedTuple):
     in_time: bool = False  # a referee said so of an entry that was made after the time limit
     in_time_by: str = ""  # ... who said so last, or that it was late; empty: nobody
     void: Said = ""  # why it does not count although nobody withdrew it; empty: it counts
+    unit: str = ""  # of the values, such as %
 
 
 class RunEnd(NamedTuple):

@@ -282,7 +282,7 @@ def _scores(old: ZoneSeen, new: ZoneSeen) -> Iterator[Dict[str, Any]]:
         if (was.value, was.text, was.not_attempted) != (item.value, item.text, item.not_attempted):
             yield {"number": number, "group": item.group, "item": item.desc, "type": item.type,
                    "old": was.value, "value": item.value, "old_not_attempted": was.not_attempted,
-                   "not_attempted": item.not_attempted, "old_text": was.text, "text": item.text}
+                   "not_attempted": item.not_attempted, "old_text": was.text, "text": item.text, "unit": item.unit}
 
 
 def _is_score_change(text: str, items: Sequence[SheetItem]) -> bool:

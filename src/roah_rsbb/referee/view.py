@@ -386,8 +386,9 @@ def _state(facts: Dict, style: Style) -> str:
 
 
 def _score(facts: Dict, style: Style) -> str:
-    old = sheets.item_value(facts["type"], facts["old"], facts["old_not_attempted"], facts["old_text"])
-    new = sheets.item_value(facts["type"], facts["value"], facts["not_attempted"], facts["text"])
+    old, new = (sheets.item_text(SheetItem("", "", facts["type"], facts[value], facts[f"{old}not_attempted"],
+                                           text=facts[f"{old}text"], unit=facts["unit"]))
+                for value, old in (("old", "old_"), ("value", "")))
     return f"score: {escaped(facts['group'])}: {escaped(facts['item'])}: {old} → {style(BOLD, new)}"
 
 

@@ -149,7 +149,7 @@ def _item_rows(record: RunRecord, in_utc: bool) -> Iterator[Dict[str, Cell]]:
         entry = last.get((item.group, item.desc))
         row: Dict[str, Cell] = {
             "kind": "item", "group": item.group, "name": item.desc,
-            "value": _item_cell(item),
+            "value": _item_cell(item), "unit": item.unit,
             "not_attempted": item.not_attempted, "corrected": item.corrected, "points": _number(item.points),
             "ratings": ratings(record, item),
         }

@@ -243,7 +243,7 @@ def judged_items(record: RunRecord) -> Iterator[ItemProposals]:
     if not judges and not settled:
         return
     for item in record.items:
-        values = {one.judge: sheets.in_words(each) for one in judges for each in one.items if each.key == item.key}
+        values = {one.judge: sheets.proposal(each) for one in judges for each in one.items if each.key == item.key}
         settlement = settled.get(item.key)
         counts = settlement is not None and settlement.proposals == tuple(sorted(values.items()))
         yield ItemProposals(item, tuple(values.get(s.judge, "") for s in judges), settlement if counts else None)

@@ -126,10 +126,11 @@ def _when(in_utc: bool) -> sheets.When:
 
 def _entries(record: RunRecord, in_utc: bool) -> Iterator[sheets.EntryTexts]:
     """The history in words, in its order."""
-    kinds = {(item.group, item.desc): item.kind for item in record.items}
+    items = {item.key: item for item in record.items}
     for entry in record.history:
-        kind = kinds.get((entry.group, entry.desc), "uint")
-        yield sheets.entry_texts(sheets.history_entry(entry, kind), _when(in_utc))
+        item = items.get((entry.group, entry.desc))
+        kind, unit = ("uint", "") if item is None else (item.kind, item.unit)
+        yield sheets.entry_texts(sheets.history_entry(entry, kind, unit), _when(in_utc))
 
 
 def _history(record: RunRecord, in_utc: bool, strike: bool) -> Iterator[str]:

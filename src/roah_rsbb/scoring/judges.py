@@ -306,7 +306,7 @@ class Judges:
         return tuple((sheet.judge, item) for sheet in self._submitted() for item in sheet.items if item.key == key)
 
     def _proposals(self, key: Key) -> Tuple[Tuple[str, str], ...]:
-        return tuple((judge, sheets.in_words(item)) for judge, item in self._records(key))
+        return tuple((judge, sheets.proposal(item)) for judge, item in self._records(key))
 
     def _verdict(self, item: ScoringItem) -> ItemVerdict:
         assert self.rule is not None, "it has judges"

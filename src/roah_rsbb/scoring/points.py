@@ -2,7 +2,7 @@
 
 from decimal import ROUND_DOWN, ROUND_HALF_UP, Context, Decimal, InvalidOperation
 from fractions import Fraction
-from typing import List, NamedTuple, Optional, Sequence, Tuple
+from typing import List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.model.records import GroupPoints, ItemRecord, SheetPoints
 from roah_rsbb.model.rules import JuryResult, Measure, Sheet
@@ -75,7 +75,7 @@ def counted(form: SheetForm, items: Sequence[ItemRecord], course: Course) -> Cou
         tuple(record._replace(points=exact_text(worth.own.get(_id(rows[record.key]), Fraction(0))))
               if record.key in rows else record for record in items),
         SheetPoints(exact_text(worth.total), tuple(_groups(sheet, worth)), worth.steps,
-                    exact_text(worth.charged) if worth.charged else "", worth.replaces))
+                    exact_text(worth.charged) if worth.charged else "", worth.replaces, _inner(sheet)))
 
 
 def _id(row: ScoringItem) -> str:
@@ -84,9 +84,26 @@ def _id(row: ScoringItem) -> str:
 
 def _groups(sheet: Sheet, worth: Worth) -> List[GroupPoints]:
     """Return the points of the sections that have items with points, and of the time left."""
-    sections = {item.id: item for item in sheet.items if item.amount is Measure.SECTION}
-    scored = {item.under for item in sheet.items if item.under in sections and item.amount is not Measure.SECTION
-              and item.amount is not Measure.CLOCK
-              and (item.points is not None or any(choice.points is not None for choice in item.choices))}
+    scored = _scored(sheet)
     return [GroupPoints(item.name, exact_text(worth.points.get(item.id, Fraction(0)))) for item in sheet.items
             if item.id in scored or item.amount is Measure.CLOCK]
+
+
+def _scored(sheet: Sheet) -> Set[str]:
+    """Return the ids of the sections that have items with points."""
+    sections = {item.id for item in sheet.items if item.amount is Measure.SECTION}
+    return {item.under for item in sheet.items if item.under in sections and item.amount is not Measure.SECTION
+            and item.amount is not Measure.CLOCK
+            and (item.points is not None or any(choice.points is not None for choice in item.choices))}
+
+
+def _inner(sheet: Sheet) -> Tuple[str, ...]:
+    """Return the names of the groups whose points are part of those of another group."""
+    scored, found = _scored(sheet), []
+    within: Set[str] = set()  # ids of what is in such a group
+    for item in sheet.items:  # each comes after the one under which it hangs
+        if item.under in scored or item.under in within:
+            within.add(item.id)
+            if item.id in scored or item.amount is Measure.CLOCK:
+                found.append(item.name)
+    return tuple(found)

@@ -474,6 +474,7 @@ class ScoreSheet:
         return ItemRecord(
             item.group, item.desc, item.kind.word, value, own.not_attempted,
             any(self._is_corrected((*key, judge)) for judge in ("", *item.judges)), text, tuple(ratings),
+            unit=item.unit,
         )
 
     def _standing_of(self, key: Key, judge: str = "") -> _Standing:

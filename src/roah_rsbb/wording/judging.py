@@ -71,8 +71,9 @@ def _judged(one: JudgedItem, number: int) -> Judged:
     item = one.item
     return Judged(
         number, item.group, item.desc, item.type, one.outcome,
-        sheets.item_value(item.type, item.value, item.not_attempted, item.text),
-        tuple(GivenInWords(each.judge, sheets.item_value(item.type, each.value, each.not_attempted, each.text),
+        sheets.item_text(item),
+        tuple(GivenInWords(each.judge, sheets.with_unit(
+            sheets.item_value(item.type, each.value, each.not_attempted, each.text), item),
                            each.value, each.text, each.not_attempted) for each in one.given),
         sheets.person(one.who), one.reason,
     )

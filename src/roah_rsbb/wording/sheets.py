@@ -145,8 +145,12 @@ def item_text(item: SheetItem) -> str:
     """Return the value of a scoring item of a sheet."""
     if _is_by_incident(item):
         return tr(BY_INCIDENT)
-    text = item_value(item.type, item.value, item.not_attempted, item.text)
-    return f"{text} {item.unit}" if item.unit and not item.not_attempted else text
+    return with_unit(item_value(item.type, item.value, item.not_attempted, item.text), item)
+
+
+def with_unit(text: str, item: Any) -> str:
+    """Return a value with the unit of its item: of a sheet, of a record or of the history."""
+    return f"{text} {item.unit}" if item.unit and text != tr(NOT_ATTEMPTED) else text
 
 
 def steps_text(points: Optional[SheetPoints]) -> List[str]:
@@ -169,6 +173,11 @@ def in_words(item: ItemRecord) -> str:
     """Return the value of an item as people read it."""
     if _is_by_incident(item):
         return tr(BY_INCIDENT)
+    return with_unit(proposal(item), item)
+
+
+def proposal(item: ItemRecord) -> str:
+    """Return the value of an item as settlements record what the judges gave."""
     return item_value(item.kind, item.value, item.not_attempted, item.text)
 
 
@@ -204,8 +213,12 @@ def sums_text(groups: Iterable[GroupOfValues]) -> str:
 
 
 def points_said(points: SheetPoints) -> str:
-    """Return the points, such as "85 points: Achievements 100 · Penalized -15"; of a single group only the total."""
-    found = [joined([_TIME_LEFT if name == _TIME_LEFT else name, number], " ") for name, number in points.groups]
+    """Return the points, such as "85 points: Achievements 100 · Penalized -15"; of a single group only the total.
+
+    A group that is part of another one is left out: readers add them up.
+    """
+    found = [joined([_TIME_LEFT if name == _TIME_LEFT else name, number], " ") for name, number in points.groups
+             if name not in points.inner]
     said = _POINTS(points=points.total)
     if points.for_team:
         said = _POINTS_AND(points=points.total, more=points.for_team)
@@ -253,7 +266,7 @@ def change_text(entry: HistoryEntry) -> str:
     """Return how an entry changed its item, such as "+1"."""
     is_number = entry.type in ("uint", "int") and not (entry.text or entry.old_text)
     if entry.not_attempted or not is_number:
-        return item_value(entry.type, entry.value, entry.not_attempted, entry.text) + _of_judge(entry)
+        return with_unit(item_value(entry.type, entry.value, entry.not_attempted, entry.text), entry) + _of_judge(entry)
     return f"{entry.value - entry.old:+d}"
 
 
@@ -266,14 +279,14 @@ def to_undo(history: Sequence[HistoryEntry], count: int) -> List[HistoryEntry]:
     return [entry for entry in reversed(history) if not entry.withdrawn_utc_s][:count]
 
 
-def history_entry(entry: ScoreEntry, kind: str) -> HistoryEntry:
-    """Return an entry of a sheet as faces have it. `kind`: the type of its item."""
+def history_entry(entry: ScoreEntry, kind: str, unit: str) -> HistoryEntry:
+    """Return an entry of a sheet as faces have it. `kind`, `unit`: of its item."""
     return HistoryEntry(
         entry.number, entry.utc, author(entry.who, entry.role, entry.device), entry.group, entry.desc, kind,
         entry.old, entry.old_not_attempted, entry.value, entry.not_attempted, entry.note, entry.correction,
         entry.withdrawn_utc or None, entry.withdrawn_by, entry.withdrawn_note, entry.withdrawal_corrects,
         entry.old_text, entry.text, entry.judge, entry.clock_s, entry.in_time, entry.in_time_by,
-        entry.void)
+        entry.void, unit)
 
 
 class EntryTexts(NamedTuple):
@@ -292,8 +305,8 @@ class EntryTexts(NamedTuple):
 
 def entry_texts(entry: HistoryEntry, when: When) -> EntryTexts:
     """Put an entry into words."""
-    old = item_value(entry.type, entry.old, entry.old_not_attempted, entry.old_text)
-    new = item_value(entry.type, entry.value, entry.not_attempted, entry.text)
+    old = with_unit(item_value(entry.type, entry.old, entry.old_not_attempted, entry.old_text), entry)
+    new = with_unit(item_value(entry.type, entry.value, entry.not_attempted, entry.text), entry)
     return EntryTexts(
         str(entry.number), when(entry.utc_s), person(entry.who), f"{entry.group}: {entry.item}{_of_judge(entry)}",
         f"{old} → {new}", entry.note, tr(CORRECTION) if entry.correction else "", _withdrawal(entry, when),

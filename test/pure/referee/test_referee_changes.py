@@ -36,7 +36,7 @@ def scored(**facts):
     """A change of the first item."""
     return of_zone("score", **{
         "number": 1, "group": "Achievements", "item": "Detects the door", "type": "bool", "old": 0, "value": 0,
-        "old_not_attempted": False, "not_attempted": False, "old_text": "", "text": "", **facts})
+        "old_not_attempted": False, "not_attempted": False, "old_text": "", "text": "", "unit": "", **facts})
 
 
 def to_do(number, *fields):

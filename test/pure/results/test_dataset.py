@@ -204,8 +204,8 @@ def test_each_text_of_a_record_is_hidden_or_of_the_rulebook():
              for kind in kinds - {all_records.By} | {RobotPart, LinkSample}}
     assert {name: fields for name, fields in shown.items() if fields} == {
         "RunRecord": {"identity", "zone", "benchmark", "end_reason", "event"},
-        "ItemRecord": {"group", "desc", "kind", "text", "points"}, "Rating": {"text"},
+        "ItemRecord": {"group", "desc", "kind", "text", "points", "unit"}, "Rating": {"text"},
         "ScoreEntry": {"group", "desc", "old_text", "text", "added", "role"}, "GroupPoints": {"name", "points"},
-        "SheetPoints": {"total", "for_team"}, "ScoreValue": {"group", "name", "unit", "desc"},
+        "SheetPoints": {"total", "for_team", "inner"}, "ScoreValue": {"group", "name", "unit", "desc"},
         "StopRecord": {"end_reason"},
         "PhaseTime": {"name"}, "Settlement": {"group", "desc", "text"}, "JudgeAct": {"act"}}

@@ -58,7 +58,7 @@ def test_points_are_the_same_everywhere(seed):
         value = json.loads(json.dumps(exported([result], [standing], "journal", 0.0)))["runs"][0]
         assert value["points"] == {
             "total": total, "groups": [{"name": name, "points": points} for name, points in groups.items()],
-            "steps": [*record.points.steps], "for_team": "", "replaces": False}
+            "steps": [*record.points.steps], "for_team": "", "replaces": False, "inner": []}
         _check_front(front_of(record, None, "", True), record)
         assert number_text(best[record.team][0]) == total
     ranked = [Fraction(next(r for r in records if r.team == line.team).points.total) for line in standing.lines]

@@ -283,3 +283,11 @@ def test_points_for_the_team_are_in_the_record_beside_the_total():
     book = Book(sheet).at(30, "Finds an object", added="3").at(40, "Does not attend", 1, group=SPECIAL)
     points = book.book.counted("").points
     assert (points.total, points.for_team) == ("30", "-500")
+
+
+def test_points_name_the_groups_that_are_part_of_another_one():
+    sheet = Sheet((*SHEET.items, Item("bonus", "Bonus", "test", points=Decimal(5))))
+    points = Book(sheet).at(1.0, "Finds an object", added="1").book.counted("").points
+    assert [(group.name, group.points) for group in points.groups] == [("Test", "10"), (TABLE, "10"), (SPECIAL, "0")]
+    assert points.inner == (TABLE,)
+    assert Book().book.counted("").points.inner == ()  # nobody lists the test, which has no items of its own

@@ -4,7 +4,7 @@ import pytest
 
 from roah_rsbb.model.modules import ScoreValue
 from roah_rsbb.model.reason import Reason
-from roah_rsbb.model.records import ItemRecord, SheetPoints
+from roah_rsbb.model.records import GroupPoints, ItemRecord, SheetPoints
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.sheets import GroupOfValues, HistoryEntry, score_line, scores_by_group, sums_text
@@ -49,6 +49,22 @@ def test_a_rating_in_the_history_names_its_judge():
     texts = _texts(type="rating", judge="Anna", old_text="", text="7.5")
     assert (texts.item, texts.change) == ("Penalized: Bumps (Anna)", "– → 7.5")
     assert sheets.mark_text(ENTRY._replace(type="rating", judge="Anna", text="7.5")) == "Bumps 7.5 (Anna)"
+
+
+def test_a_percentage_has_its_unit_everywhere():
+    percent = ENTRY._replace(type="decimal", old_text="60", text="80", unit="%")
+    assert sheets.entry_texts(percent, times.time_with_zone).change == "60 % → 80 %"
+    assert sheets.mark_text(percent) == "Bumps 80 %"
+    assert sheets.mark_text(percent._replace(not_attempted=True)) == "Bumps not attempted"
+    record = ItemRecord("Penalized", "Bumps", "decimal", 80, text="80", unit="%")
+    assert sheets.in_words(record) == "80 %"
+    assert sheets.proposal(record) == "80"  # settlements of earlier journals have it so
+
+
+def test_points_do_not_list_what_is_part_of_another_group():
+    points = SheetPoints("370", (GroupPoints("Test", "370"), GroupPoints("Commands", "400"), GroupPoints("Special", "0")),
+                         inner=("Commands",))
+    assert sheets.points_text(points) == "370 points: Test 370 · Special 0"
 
 
 def test_sums_by_group_and_how_many_items_were_not_attempted():

@@ -89,10 +89,10 @@ def run_line(record: RunRecord, why: Optional[Why]) -> RunLine:
 
 def run_sheet(record: RunRecord, why: Optional[Why]) -> RunSheet:
     """Return a run with its score sheet."""
-    kinds = {item.key: _type(item) for item in record.items}
+    items = {item.key: (_type(item), item.unit) for item in record.items}
     return RunSheet(
         run_line(record, why), tuple(record.robots), record.elapsed_s, _given_items(record),
-        tuple(history_entry(entry, kinds.get((entry.group, entry.desc), "uint")) for entry in record.history),
+        tuple(history_entry(entry, *items.get((entry.group, entry.desc), ("uint", ""))) for entry in record.history),
         tuple(RunEnd(number, stop.utc, stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by)
               for number, stop in enumerate(record.stops, 1)),
         record.module_scores, record.points,
