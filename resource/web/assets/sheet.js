@@ -99,6 +99,7 @@ function Entry({item, label, isLabelShown = false, value, enter, texts}) {
         <input inputmode=${keypad(item)} autocomplete="off" value=${typed === null ? value : typed}
           onInput=${(event) => setTyped(event.target.value)} />
       </label>
+      ${item.unit && html`<span class="unit">${item.unit}</span>`}
       <button class=${typed === null ? "" : "main"} aria-label="${label}: ${texts.set}">${texts.set}</button>
     </form>`;
 }
@@ -114,16 +115,20 @@ export function Sheet({zone, marks, texts, judge = "", command = "", person = ""
     ...(command ? {command} : {}),
   });
   const isOf = (item) => (one) => one.identity === zone.identity && one.group === item.group && one.desc === item.desc;
-  const groups = [...new Set(items.map((item) => item.group))];
+  const groups = [...new Set(items.filter((item) => !item.is_incident).map((item) => item.group))];
+  const row = (item) => html`
+    <${Item} key="${item.group}/${item.desc}" item=${item} zone=${zone} waiting=${marks.waiting.filter(isOf(item))}
+      refused=${marks.refused.filter(isOf(item))} mark=${mark} texts=${texts} judge=${judge} give=${judge ? null : give} />`;
+  const incidents = items.filter((item) => item.is_incident);
   return html`
     <section class="sheet">
       <h2>${texts.sheet}</h2>
       ${judge && items.length === 0 && html`<p class="nothing">${texts.not_a_judge.replace("{judge}", () => judge)}</p>`}
       ${groups.map((group) => html`
         <h3>${group}</h3>
-        <ul>${items.filter((item) => item.group === group).map((item) => html`
-          <${Item} key="${group}/${item.desc}" item=${item} zone=${zone} waiting=${marks.waiting.filter(isOf(item))}
-            refused=${marks.refused.filter(isOf(item))} mark=${mark} texts=${texts} judge=${judge} give=${judge ? null : give} />`)}</ul>`)}
+        <ul>${items.filter((item) => item.group === group).map(row)}</ul>`)}
+      ${incidents.length > 0 && html`
+        <details class="incidents"><summary>${zone.incidents || incidents[0].group}</summary><ul>${incidents.map(row)}</ul></details>`}
       ${zone.points && html`<p class="points">${zone.points}</p>`}
       <${Steps} steps=${zone.steps} texts=${texts} />
       ${undo && html`<${Command} key=${last ? last.number : ""} name="undo" label=${last ? texts.undo.replace("{mark}", () => last.shown) : texts.nothing_to_undo}

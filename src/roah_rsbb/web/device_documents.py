@@ -25,6 +25,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.messages import DevicesSeen
 from roah_rsbb.model.results import EventSeen, JudgedRun, Judging, RunLine, RunSheet
+from roah_rsbb.model.scoring import INCIDENTS
 from roah_rsbb.model.zone import RUNNING, Count, RunClock, SheetItem, ZoneSeen
 from roah_rsbb.protocol import wire_seconds
 from roah_rsbb.web.numbered import Key, Numbered, NumberedDocument
@@ -77,6 +78,7 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
                    for name, action in actions.items() if action.fields is not None},
         "switches": None if zone.switches is None else zone.switches._asdict(),
         "items": [item_page(item) for item in zone.items],
+        "incidents": sheets.incidents_text(zone.items),
         "points": sheets.points_text(zone.points),
         "steps": sheets.steps_text(zone.points),
         "unsigned": [_unsigned_run(run, moments, utc_s) for run in unsigned],
@@ -94,7 +96,8 @@ def moment(document: Document, utc_s: float) -> Tuple[object, ...]:
 
 def sheet_page(sheet: RunSheet) -> Data:
     """Return the score sheet of a run, as `zone_page` has that of the run in the zone."""
-    return {"items": [item_page(item) for item in sheet.items], "points": sheets.points_text(sheet.points),
+    return {"items": [item_page(item) for item in sheet.items], "incidents": sheets.incidents_text(sheet.items),
+            "points": sheets.points_text(sheet.points),
             "steps": sheets.steps_text(sheet.points)}
 
 
@@ -139,7 +142,8 @@ def item_page(item: SheetItem) -> Data:
     return {
         "group": item.group, "desc": item.desc, "type": item.type, "value": item.value,
         "text": item.text, "not_attempted": item.not_attempted, "points": number(item.points),
-        "shown": sheets.item_text(item), "late": item.late,
+        "shown": sheets.item_text(item), "late": item.late, "unit": item.unit,
+        "is_incident": item.group == INCIDENTS,
         "min": item.min, "max": item.max, "choices": item.choices, "judges": item.judges, "ratings": item.ratings,
     }
 

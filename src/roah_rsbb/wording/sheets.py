@@ -12,6 +12,7 @@ from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Se
 from roah_rsbb.model.reason import joined, say
 from roah_rsbb.model.records import ItemRecord, Outage, ScoreEntry, SheetPoints
 from roah_rsbb.model.results import HistoryEntry
+from roah_rsbb.model.scoring import INCIDENTS
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.wording.language import number, tr, tr_later, tr_said
 from roah_rsbb.wording.times import NOTHING
@@ -48,6 +49,7 @@ _AWAY = say("The box was away for {time} s of the run")
 _AWAY_IN_GOAL = say("The box was away for {time} s of goal {goal}")
 _POINTS = say("{points} points")
 _POINTS_AND = say("{points} points, and {more} for the team")
+_INCIDENTS = tr_later("Incidents")  # the group `model.scoring.INCIDENTS`
 _TIME_LEFT = say("Time left")  # the name of a group of the box's own: `model.scoring.TIME_LEFT`
 _LEFT_OUT = say("{text}. The robot was done meanwhile, so {left_out} s are not counted: the true time is up to "
                 "{left_out} s longer. Check it")
@@ -189,6 +191,12 @@ def _is_by_incident(item: Union[SheetItem, ItemRecord]) -> bool:
 def ratings_text(ratings: Iterable[Tuple[str, str]]) -> str:
     """Return ratings as a text, such as "Anna 7, Ben 8.5"; `ratings`: judges and what they gave."""
     return ", ".join(f"{judge} {number(text)}" for judge, text in ratings if text)
+
+
+def incidents_text(items: Iterable[SheetItem]) -> str:
+    """Return the title of the incidents of a sheet, with those that happened, such as "Incidents: restart 1"."""
+    happened = ", ".join(f"{item.desc} {item.value}" for item in items if item.group == INCIDENTS and item.value)
+    return f"{tr(_INCIDENTS)}: {happened}" if happened else tr(_INCIDENTS)
 
 
 def is_marked(value: int, text: str) -> bool:

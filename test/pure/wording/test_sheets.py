@@ -5,6 +5,7 @@ import pytest
 from roah_rsbb.model.modules import ScoreValue
 from roah_rsbb.model.reason import Reason
 from roah_rsbb.model.records import GroupPoints, ItemRecord, SheetPoints
+from roah_rsbb.model.scoring import INCIDENTS
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.sheets import GroupOfValues, HistoryEntry, score_line, scores_by_group, sums_text
@@ -61,9 +62,16 @@ def test_a_percentage_has_its_unit_everywhere():
     assert sheets.proposal(record) == "80"  # settlements of earlier journals have it so
 
 
+def test_the_drawer_of_incidents_says_what_happened():
+    items = (SheetItem("Table", "Bumps", "uint", 1), SheetItem(INCIDENTS, "restart", "uint", 2),
+             SheetItem(INCIDENTS, "absent", "uint"), SheetItem(INCIDENTS, "cheating", "uint", 1))
+    assert sheets.incidents_text(items) == "Incidents: restart 2, cheating 1"
+    assert sheets.incidents_text(items[2:3]) == "Incidents"
+
+
 def test_points_do_not_list_what_is_part_of_another_group():
-    points = SheetPoints("370", (GroupPoints("Test", "370"), GroupPoints("Commands", "400"), GroupPoints("Special", "0")),
-                         inner=("Commands",))
+    groups = (GroupPoints("Test", "370"), GroupPoints("Commands", "400"), GroupPoints("Special", "0"))
+    points = SheetPoints("370", groups, inner=("Commands",))
     assert sheets.points_text(points) == "370 points: Test 370 · Special 0"
 
 

@@ -8,7 +8,7 @@ from support.panel_case import PanelCase
 from support.window_case import WindowCase, in_sight
 
 from roah_rsbb.model.reason import RunName
-from roah_rsbb.model.scoring import ItemChoice, JuryResult, ScoreKind, ScoringItem
+from roah_rsbb.model.scoring import INCIDENTS, ItemChoice, JuryResult, ScoreKind, ScoringItem
 from roah_rsbb.rqt.panels.score_sheet import ScoreDialog
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
 from roah_rsbb.scoring.sheet import Mark
@@ -22,7 +22,10 @@ DROPS = ScoringItem("Penalties", "Drops an object", ScoreKind.UINT, Decimal(-10)
 WATER = ScoringItem("Penalties", "Water on the floor (l)", ScoreKind.DECIMAL, Decimal("-2.5"), most=Decimal(10))
 SHOW = ScoringItem("Jury", "Presentation", ScoreKind.RATING, Decimal(2), Decimal(0), Decimal(10),
                    judges=("Anna", "Ben", "Chris"), jury=JuryResult.MEDIAN)
-ITEMS = (OBJECTS, EMPTY, OPENS, HEIGHT, DROPS, WATER, SHOW)
+FOLDS = ScoringItem("Jury", "Folds a shirt", ScoreKind.DECIMAL, least=Decimal(0), most=Decimal(100), unit="%")
+RESTART = ScoringItem(INCIDENTS, "restart", ScoreKind.UINT)
+SEEN = (OBJECTS, EMPTY, OPENS, HEIGHT, DROPS, WATER, SHOW)
+ITEMS = (*SEEN, FOLDS, RESTART)
 
 
 class TestPoints(PanelCase):
@@ -52,10 +55,32 @@ class TestPoints(PanelCase):
         self.zone.mark(Mark(*EMPTY.key, 1), "Anna")
         self.zone.mark(Mark(*DROPS.key, 2), "Anna")
         wait_until(lambda: self.scoring.points.text() == "70 points: Table 90 · Penalties -20 · Jury 0", "the total")
-        self.assertEqual([self.row(item).points.text() for item in ITEMS], ["60", "30", "0", "0", "-20", "0", "0"])
+        self.assertEqual([self.row(item).points.text() for item in ITEMS], ["60", "30", "0", "0", "-20", "0", "0", "", ""])
         titles = [group.box.title() for group in self.scoring.sheet._groups.values()]
-        self.assertEqual(titles, ["Table: 90 points", "Penalties: -20 points", "Jury: 0 points"])
+        self.assertEqual(titles, ["Table: 90 points", "Penalties: -20 points", "Jury: 0 points", ""])
         self.assertIn("Objects in the dishwasher", self.row(EMPTY).text.toolTip())
+
+    def test_incidents_are_in_a_drawer_whose_title_says_what_happened(self) -> None:
+        drawer = self.scoring.sheet.drawer
+        row = self.row(RESTART)
+        self.assertEqual((drawer.text(), row.isVisible(), row.key), ("▸ Incidents", False, ""))
+        self.zone.mark(Mark(*RESTART.key, 1), "Anna")
+        wait_until(lambda: drawer.text() == "▸ Incidents: restart 1", "it is said although the drawer is closed")
+        click(drawer)
+        wait_until(row.isVisible, "the drawer is open")
+        self.assertEqual(drawer.text(), "▾ Incidents: restart 1")
+        click(row.more)
+        wait_until(lambda: drawer.text() == "▾ Incidents: restart 2", "it is marked there")
+        click(drawer)
+        wait_until(lambda: not row.isVisible(), "the drawer is closed")
+
+    def test_a_percentage_has_its_unit(self) -> None:
+        field = self.row(FOLDS).field
+        field.setFocus()
+        field.selectAll()
+        QTest.keyClicks(field, "60\r")
+        wait_until(lambda: self.record()[FOLDS.key].text == "60", "the core has it")
+        self.assertEqual(field.text(), "60 %")
 
     def test_a_number_is_typed(self) -> None:
         field = self.row(WATER).field
@@ -127,11 +152,11 @@ class TestPoints(PanelCase):
 
 
 class TestInSight(WindowCase):
-    ITEMS = ITEMS
+    ITEMS = SEEN
 
     def test_all_is_in_sight(self) -> None:
         self.run_zone()
-        wait_until(lambda: len(self.scoring.rows) == len(ITEMS), "the sheet is shown")
+        wait_until(lambda: len(self.scoring.rows) == len(SEEN), "the sheet is shown")
         for size in ((1366, 768), (1920, 1080)):
             self.window.resize(*size)
             self.wait_quiet()

@@ -6,7 +6,7 @@ from typing import Callable, Dict, Hashable, List, Mapping, NamedTuple, Optional
 
 from roah_rsbb.model.reason import MAX_NOTE
 from roah_rsbb.model.results import HistoryEntry
-from roah_rsbb.model.scoring import MAX_DECIMALS, MAX_NUMBER, MAX_VALUE, WHOLE, Entered
+from roah_rsbb.model.scoring import INCIDENTS, MAX_DECIMALS, MAX_NUMBER, MAX_VALUE, WHOLE, Entered
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.rqt import basic
 from roah_rsbb.rqt.panels.actions import FormDialog
@@ -69,6 +69,7 @@ class NumberField(basic.NoWheel, basic.AnyRegion, QDoubleSpinBox):
         self.setLocale(QLocale.c())
         least, most = float(item.min or -MAX_NUMBER), float(item.max or MAX_NUMBER)
         self.setDecimals(MAX_DECIMALS)
+        self.setSuffix(f" {item.unit}" if item.unit else "")
         # The value below the least one stands for no value.
         self.setRange(least - 1.0 if may_be_empty else least, most)
         if may_be_empty:
@@ -118,7 +119,7 @@ class ChoiceField(basic.NoWheel, QComboBox):
         for name, points in zip(item.choices, item.choice_points):
             self.addItem(f"{name} ({points})" if points else name, name)
         self.setFocusPolicy(Qt.StrongFocus)
-        self.setSizeAdjustPolicy(QComboBox.AdjustToMinimumContentsLengthWithIcon)
+        self.setSizeAdjustPolicy(QComboBox.AdjustToContents)
         self.activated.connect(lambda _index: entered(self.text_value()))
 
     def text_value(self) -> str:
@@ -211,6 +212,7 @@ PINNED = "disqualif"
 TWO_COLUMNS_EMS = 34
 # The smallest width and height.
 LEAST_EMS = (20, 9)
+_REVEAL_MS = 50
 
 
 class _Group(NamedTuple):
@@ -232,7 +234,8 @@ ARRANGEMENTS = (SheetArrangement(1, False), SheetArrangement(1, True), SheetArra
 
 class SheetView(QWidget):
     """The items of a score sheet in their groups, in one or two columns, so that all of them are visible. Disqualifying
-    items stay visible even if the others must scroll. A row has `set_compact(is_compact)`."""
+    items stay visible even if the others must scroll. Incidents are in a drawer, which is closed at first: they are
+    seldom needed. A row has `set_compact(is_compact)`."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -242,13 +245,19 @@ class SheetView(QWidget):
         self._area.setFrameShape(QFrame.NoFrame)
         self._area.setMinimumHeight(round(2 * basic.em()))
         self._pinned = QWidget()
+        self.drawer = basic.button("", self._turn_drawer)
+        self.drawer.setCheckable(True)
+        self._title = ""  # of the drawer
         column = basic.flat(QVBoxLayout(self))
         column.setSpacing(round(0.2 * basic.em()))
         column.addWidget(self._area, 1)
         column.addWidget(self._pinned)
+        column.addWidget(self.drawer)
         self._inside: Optional[QVBoxLayout] = None
         self._below = basic.flat(QVBoxLayout(self._pinned))
         self._soon = QTimer(self, singleShot=True, interval=0, timeout=self._settle)
+        # Once the layout is up to date.
+        self._reveal = QTimer(self, singleShot=True, interval=_REVEAL_MS, timeout=self._reveal_drawer)
 
     def clear(self) -> None:
         """Remove all rows."""
@@ -256,6 +265,8 @@ class SheetView(QWidget):
             group.box.hide()
             group.box.deleteLater()
         self._groups = {}
+        self.drawer.setChecked(False)
+        self.drawer.hide()
         inside = QWidget()
         self._inside = basic.flat(QVBoxLayout(inside))
         self._inside.addStretch(1)
@@ -281,12 +292,30 @@ class SheetView(QWidget):
     def show_points(self, points: Mapping[str, str]) -> None:
         """Show the points of groups, by their names, in their titles."""
         for name, group in self._groups.items():
-            title = f"{name}: {points[name]}" if name in points else name
+            title = "" if name == INCIDENTS else f"{name}: {points[name]}" if name in points else name
             if title != group.box.title():
                 group.box.setTitle(title)
 
+    def show_incidents(self, title: str) -> None:
+        """Show the title of the drawer; without incidents there is none."""
+        self._title = title
+        self.drawer.setVisible(INCIDENTS in self._groups)
+        text = f"{'▾' if self.drawer.isChecked() else '▸'} {title}".replace("&", "&&")
+        if text != self.drawer.text():
+            self.drawer.setText(text)
+
+    def _turn_drawer(self) -> None:
+        self.show_incidents(self._title)
+        self.settle()
+        self._reveal.start()
+
+    def _reveal_drawer(self) -> None:
+        if self.drawer.isChecked() and INCIDENTS in self._groups:
+            self._area.ensureWidgetVisible(self._groups[INCIDENTS].box)
+
     def settle(self) -> None:
         """Choose the number of columns, once the layout is up to date."""
+        self.arrangement = None
         self._arrange(ARRANGEMENTS[0])
         self._soon.start()
 
@@ -332,9 +361,9 @@ class SheetView(QWidget):
         if arrangement == self.arrangement:
             return
         self.arrangement = arrangement
-        for group in self._groups.values():
+        for name, group in self._groups.items():
             # A layout shows what is added to it only when Qt handles its next events; until then it has no height.
-            group.box.show()
+            group.box.setVisible(name != INCIDENTS or self.drawer.isChecked())
             for index, row in enumerate(group.rows):
                 row.set_compact(arrangement.is_compact)
                 group.grid.addWidget(row, *divmod(index, arrangement.columns))

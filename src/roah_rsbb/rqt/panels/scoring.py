@@ -8,7 +8,7 @@ from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, 
 from roah_rsbb.model.actions import ENTRIES
 from roah_rsbb.model.records import ScoreValue, SheetPoints
 from roah_rsbb.model.results import HistoryEntry
-from roah_rsbb.model.scoring import Entered
+from roah_rsbb.model.scoring import INCIDENTS, Entered
 from roah_rsbb.model.zone import IDLE, SheetItem
 from roah_rsbb.rqt import basic
 from roah_rsbb.rqt.calls import CallOutcome, Edits, RefereeName
@@ -88,6 +88,7 @@ class _Size(NamedTuple):
 
 
 _LARGE = _Size(1.2, 1.3, 1.6, 2.0, 9.0, 0.35)
+_MOST_WIDE = 1.6  # of a choice, whose texts may be long
 _COMPACT = _Size(1.0, 1.1, 1.3, 1.8, 6.4, 0.15)
 
 
@@ -262,7 +263,9 @@ class FieldRow(ItemRow):
             self._change(text)
 
     def set_widths(self, size: _Size) -> None:
-        self.field.setFixedWidth(round(size.wide_ems * basic.em()))
+        wide = round(size.wide_ems * basic.em())
+        most = round(_MOST_WIDE * wide) if isinstance(self.field, ChoiceField) else wide
+        self.field.setFixedWidth(max(wide, min(self.field.sizeHint().width(), most)))
 
     def score(self) -> None:
         """Go to the field."""
@@ -412,9 +415,14 @@ class ScoringPanel(Panel):
         self.points = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), 1.2, bold=True)
         self.points.hide()
         self.body.addWidget(self.points)
-        self.late = basic.enlarged(QPushButton(), 1.1)
-        self.late.clicked.connect(self._say_in_time)
+        self.late = QWidget()
         self.late.hide()
+        self.late_text = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), 1.1)
+        self.in_time = basic.enlarged(QPushButton(tr(IN_TIME.label)), 1.1)
+        self.in_time.clicked.connect(self._say_in_time)
+        line = basic.flat(QHBoxLayout(self.late))
+        line.addWidget(self.late_text, 1)
+        line.addWidget(self.in_time)
         self._late_entry = 0
         self.body.addWidget(self.late)
         self.undo = UndoRow(self._undo)
@@ -486,13 +494,14 @@ class ScoringPanel(Panel):
                 row.ratings.show_ratings([
                     (judge[2], self._edits.value(judge, text)) for judge, text in zip(judges, item.ratings)])
         self._show_points(points)
+        self.sheet.show_incidents(sheets.incidents_text(items))
         late = [item for item in items if item.late]
         self.late.setVisible(bool(late))
         if late:
             item = max(late, key=lambda item: item.late[-1])
             self._late_entry = item.late[-1]
-            self.late.setText(f"{item.desc}: {tr(sheets.LATE)}. {tr(IN_TIME.label)}".replace("&", "&&"))
-            self.late.setEnabled(not why_off)
+            self.late_text.setText(f"⚠ {item.desc}: {tr(sheets.LATE)}")
+            self.in_time.setEnabled(not why_off)
 
     def _show_points(self, points: Optional[SheetPoints]) -> None:
         groups = () if points is None else points.groups
@@ -510,6 +519,8 @@ class ScoringPanel(Panel):
         self.points.hide()
         for number, item in enumerate(items, 1):
             name = (item.group, item.desc)
+            # A key must not mark what may be hidden.
+            number = number if item.group != INCIDENTS else LAST_KEY + 1
             self.rows[name] = ROWS[item.type](number, item, partial(self._change, name), partial(self._count, name),
                                               partial(self._ask, item))
             self.sheet.add(item.group, self.rows[name])
@@ -632,4 +643,4 @@ def _whole(value: Value) -> int:
 
 def _shape(item: SheetItem) -> SheetItem:
     """Return an item without its value."""
-    return item._replace(value=0, not_attempted=False, corrected=False, text="", points="", ratings=())
+    return item._replace(value=0, not_attempted=False, corrected=False, text="", points="", ratings=(), late=())
