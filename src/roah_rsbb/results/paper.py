@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.model.records import ItemRecord, RunRecord, SheetPoints, grouped
-from roah_rsbb.model.scoring import ScoreKind, ScoringItem
+from roah_rsbb.model.scoring import INCIDENTS, ScoreKind, ScoringItem
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, tag
 from roah_rsbb.results.runs import run_state_text, signature_of, taken_s, taken_text
 from roah_rsbb.results.standings import DISQUALIFIED, criteria_of, number_text, number_with_unit
@@ -26,6 +26,7 @@ SIGNERS = ("Referee: name, date, signature", "Team: name, date, signature")
 # Further remarks are only in the appendix. The empty lines below them are for handwriting.
 MAX_REMARKS = 5
 EMPTY_LINES, EMPTY_LINES_BLANK = 2, 5
+_YES_OR_NO = "☐\u00a0yes ☐\u00a0no"  # no line ends between a box and its answer
 # The longest texts on the page, characters.
 MAX_FACT, MAX_ITEM, MAX_VALUE, MAX_REMARK = 60, 110, 30, 150
 MORE = "… {} more in the appendix"
@@ -158,7 +159,16 @@ def _blank_line(item: ScoringItem) -> Line:
         return Line(f"{item.desc}: {choices}", "")
     if item.kind is ScoreKind.RATING:
         return Line(f"{item.desc}{_in_brackets(item.points)}", "  ".join(f"{judge}: __" for judge in item.judges))
-    return Line(f"{item.desc}{_in_brackets(item.points)}", "☐ yes  ☐ no" if item.kind is ScoreKind.BOOL else "")
+    if item.kind is ScoreKind.DECIMAL and not item.unit and item.points == 1:
+        return Line(item.desc, "points")
+    return Line(f"{item.desc}{_in_brackets(item.points)}", _blank_value(item))
+
+
+def _blank_value(item: ScoringItem) -> str:
+    """Return what stands where the value is written: its answers, its unit, or the most of a count."""
+    if item.kind is ScoreKind.BOOL:
+        return _YES_OR_NO
+    return item.unit or ("" if item.most is None else f"≤ {number_text(exact(item.most))}")
 
 
 def _in_brackets(points: Optional[Decimal]) -> str:
@@ -182,7 +192,10 @@ def _groups_with_points(record: RunRecord, points: SheetPoints) -> Iterator[Grou
     """Yield the groups of a sheet that gives points."""
     totals = dict(points.groups)
     groups = grouped(record.items)
-    for name, items in groups.items():
+    for name, all_items in groups.items():
+        items = [item for item in all_items if name != INCIDENTS or sheets.is_marked(item.value, item.text)]
+        if not items:
+            continue
         lines = [Line(_what(item), _value(item), item.points) for item in items]
         if name in totals and (len(items) > 1 or totals[name] != items[0].points):
             lines.append(Line(f"Total of {name}", "", totals[name]))
@@ -227,7 +240,9 @@ def _totals(record: RunRecord, rules: Optional[Rules]) -> Iterator[Tuple[str, st
     standing = standing_of_run(record, rules)
     (team,) = standing.lines
     for name, number, unit in zip(criteria_of(standing), team.runs[0].numbers, standing.units):
-        yield name, number_with_unit(number, unit)
+        line = name, number_with_unit(number, unit)
+        if record.points is None or line != ("Points", record.points.total):
+            yield line
     if team.disqualified:
         yield "Result", DISQUALIFIED
 

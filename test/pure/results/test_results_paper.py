@@ -8,19 +8,21 @@ import pathlib
 import re
 import select
 import subprocess
+from decimal import Decimal
 
 import pytest
 
 from helpers.results_of import ACHIEVED, DISQUALIFYING, DOOR, EVIL, PENALIZED, full_record, module_record, task_record
-from roah_rsbb.model.records import ItemRecord, ScoreEntry, ScoreValue, SignOff, StopRecord
-from roah_rsbb.model.rules import AttemptsRule
+from roah_rsbb.model.records import GroupPoints, ItemRecord, ScoreEntry, ScoreValue, SheetPoints, SignOff, StopRecord
+from roah_rsbb.model.rules import AttemptsRule, Item, Measure, Sheet
+from roah_rsbb.model.scoring import INCIDENTS, rows
 from roah_rsbb.results import paper, printing
 from roah_rsbb.results.page import LONGEST_WORD, Competition, breakable, page, tag
 from roah_rsbb.results.paper import blank_front, cut, front_markup, front_of, layout_of, wrapped_lines
 from roah_rsbb.results.printing import Printer, print_pdf, without_font
 from roah_rsbb.results.runs import NotPossible, RunResult
 from roah_rsbb.results.sheet import sheet_page
-from roah_rsbb.rulebook.benchmarks import ScheduledEvent
+from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.standing_rules import Criterion, Rules, Term, read_rules
 
@@ -148,9 +150,33 @@ def test_a_blank_sheet_of_an_event_and_of_a_benchmark():
     assert facts["Scheduled"] == "2025-11-21 11:00:00Z"
     assert facts["Robot"] == facts["Started"] == ""
     assert values(found)["Stops working"] == ("", "")
-    assert values(found)["Detects the door whose state has changed"] == ("☐ yes  ☐ no", "")
+    assert values(found)["Detects the door whose state has changed"] == ("☐\u00a0yes ☐\u00a0no", "")
     assert dict(blank_front(benchmark).facts)["Team"] == ""
     assert [group.title for group in found.groups] == list(dict.fromkeys(i.group for i in benchmark.scoring))
+
+
+PERCENT = Item("folds", "Folds", "test", Measure.PERCENT, Decimal(400), times=1)
+COUNT = Item("finds", "Finds", "test", points=Decimal(20), times=3)
+OTHER = Item("other", "Another decision", "test", Measure.POINTS, Decimal(1))
+
+
+def test_a_blank_sheet_says_what_is_written_where():
+    sheet = Sheet((Item("test", "Test", amount=Measure.SECTION), PERCENT, COUNT, OTHER))
+    benchmark = Benchmark("X", "X", "X", 300.0, 300.0, rows(sheet), sheet=sheet)
+    lines = [(line.what, line.value) for group in blank_front(benchmark).groups for line in group.lines]
+    assert lines == [("Folds (400)", "%"), ("Finds (20)", "≤ 3"), ("Another decision", "points")]
+
+
+def test_only_incidents_that_happened_are_printed_and_the_points_once():
+    points = SheetPoints("20", (GroupPoints("Test", "20"),))
+    items = (ItemRecord("Test", "Finds", "uint", 1, points="20"), ItemRecord(INCIDENTS, "absent", "uint", 0))
+    record = task_record("Alpha", 1)._replace(items=items, points=points)
+    found = front(record)
+    assert [group.title for group in found.groups] == ["Test"]
+    assert found.totals == (("Points", "20"),)
+    found = front(record._replace(items=(*items, ItemRecord(INCIDENTS, "restart", "uint", 1))))
+    assert [(group.title, [line.what for line in group.lines]) for group in found.groups] == [
+        ("Test", ["Finds"]), (INCIDENTS, ["restart"])]
 
 
 # -- what does not fit ------------------------------------------------------------------------------

@@ -55,7 +55,8 @@ class TestPoints(PanelCase):
         self.zone.mark(Mark(*EMPTY.key, 1), "Anna")
         self.zone.mark(Mark(*DROPS.key, 2), "Anna")
         wait_until(lambda: self.scoring.points.text() == "70 points: Table 90 · Penalties -20 · Jury 0", "the total")
-        self.assertEqual([self.row(item).points.text() for item in ITEMS], ["60", "30", "0", "0", "-20", "0", "0", "", ""])
+        self.assertEqual([self.row(item).points.text() for item in ITEMS],
+                         ["60", "30", "0", "0", "-20", "0", "0", "", ""])
         titles = [group.box.title() for group in self.scoring.sheet._groups.values()]
         self.assertEqual(titles, ["Table: 90 points", "Penalties: -20 points", "Jury: 0 points", ""])
         self.assertIn("Objects in the dishwasher", self.row(EMPTY).text.toolTip())
