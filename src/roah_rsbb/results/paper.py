@@ -193,7 +193,8 @@ def _groups_with_points(record: RunRecord, points: SheetPoints) -> Iterator[Grou
     totals = dict(points.groups)
     groups = grouped(record.items)
     for name, all_items in groups.items():
-        items = [item for item in all_items if name != INCIDENTS or sheets.is_marked(item.value, item.text)]
+        items = [item for item in all_items
+                 if name != INCIDENTS or sheets.is_marked(item.value, item.text) or item.points not in ("", "0")]
         if not items:
             continue
         lines = [Line(_what(item), _value(item), item.points) for item in items]
