@@ -96,6 +96,11 @@ def test_entries_of_one_second_are_two_if_a_time_ends_between_them(clock_s, entr
     assert (len(book.book.sheet.history), book.total()) == (1 + entries, total)
 
 
+def test_entries_of_one_second_are_two_if_the_run_ends_between_them():
+    book = Book().at(419.7, "Finds an object", added="1").at(420.3, "Finds an object", added="1")
+    assert (len(book.book.sheet.history), book.total()) == (2, "10")
+
+
 def test_entries_of_one_second_are_one_unless_an_incident_divides_them():
     book = Book().at(30, "Finds an object", added="1").at(30.5, "Finds an object", added="1")
     assert len(book.book.sheet.history) == 1
