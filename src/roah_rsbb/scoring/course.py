@@ -49,7 +49,7 @@ def course_of(
     kinds = {item.id: item for item in sheet.items}
     standing: Dict[str, Fraction] = {}
     entries = tuple(entries)
-    for order, (entry, at_s) in enumerate(zip(entries, _moments(entries))):
+    for order, (entry, at_s) in enumerate(zip(entries, _moments(sheet, entries))):
         row = rows.get((entry.group, entry.desc))
         if entry.withdrawn_utc or row is None or entry.judge:
             continue
@@ -78,13 +78,17 @@ def with_ratings(course: Course, rows: Mapping[Key, ScoringItem], records: Itera
     return course._replace(marks=(*course.marks, *ratings)) if ratings else course
 
 
-def _moments(entries: Sequence[ScoreEntry]) -> List[Optional[Fraction]]:
+def _moments(sheet: Sheet, entries: Sequence[ScoreEntry]) -> List[Optional[Fraction]]:
     """Return when entries were made. One without a time has that of the one before it, unless no entry has one: an
-    earlier version began the run."""
+    earlier version began the run. The clock goes back where the box was away and leaves that time out: what was entered
+    after that is not earlier than what was entered before."""
     found: List[Optional[Fraction]] = []
+    before = Fraction(0)  # of the newest entry within the time limit
     for entry in entries:
-        before = found[-1] if found else Fraction(0)
-        found.append(before if entry.clock_s is None else _read(str(entry.clock_s)))
+        at_s = before if entry.clock_s is None else max(before, _read(str(entry.clock_s)))
+        found.append(at_s)
+        if sheet.limit_s is None or at_s <= sheet.limit_s:
+            before = at_s
     return [None] * len(found) if all(entry.clock_s is None for entry in entries) else found
 
 

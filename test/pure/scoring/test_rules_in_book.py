@@ -296,3 +296,13 @@ def test_points_name_the_groups_that_are_part_of_another_one():
     assert [(group.name, group.points) for group in points.groups] == [("Test", "10"), (TABLE, "10"), (SPECIAL, "0")]
     assert points.inner == (TABLE,)
     assert Book().book.counted("").points.inner == ()  # nobody lists the test, which has no items of its own
+
+
+def test_an_entry_after_a_time_that_was_left_out_is_later_than_those_before():
+    """After a restart of the box the clock of a run may go back."""
+    book = Book().at(8.95, "Finds an object", 3).at(5.983, "Finds an object", 0)
+    assert (book.value("Finds an object"), book.total()) == (0, "0")
+    book = Book().at(8.95, "Finds an object", 3).incident(5.983, "restart").at(6.5, "Finds an object", 1)
+    assert (book.value("Finds an object"), book.total()) == (1, "10")
+    # An entry that is late does not make those late that follow in a run that was started again.
+    assert Book().at(430, "Finds an object", added="1").at(20, "Finds an object", added="2").total() == "20"
