@@ -227,7 +227,11 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.shows(page, DEVICE, "3")
         self.tap(page, f".correction {item(ENTERS, 2)}")
         self.shows(page, ENTERS, "no")
-        self.tap(page, ".correction button[data-command=undo]")
+        # The value may come before the answer to the mark, and only that makes it the one that can be undone.
+        undo = ".correction button[data-command=undo]"
+        page.wait(f"document.querySelector({json.dumps(undo)}).textContent.includes({json.dumps(ENTERS)})"
+                  " && marks.waiting.length === 0", "the last mark can be undone")
+        self.tap(page, undo)
         self.shows(page, ENTERS, "yes")
         self.assertEqual([one.value for one in self.sheet(identity).items if one.desc == DEVICE], [3])
         self.assertTrue(self.sheet(identity).run.corrected)
