@@ -33,6 +33,7 @@ from roah_rsbb.scoring.judges import ItemVerdict, Judges, JudgesState
 from roah_rsbb.scoring.points import CountedSheet, counted
 from roah_rsbb.scoring.publication import Publication, PublicationState
 from roah_rsbb.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, value_text
+from roah_rsbb.scoring.tree import Course
 from roah_rsbb.wording import sheets, times
 
 # No referee stops a run more often. After more stops, the oldest one without a typed reason is dropped.
@@ -186,7 +187,7 @@ class RunBook:
         items, elapsed_s = self.sheet.items(), self.state.elapsed_s if end_reason else 0.0
         last = self._counted
         if last is None or last[0] is not items or last[1:3] != (elapsed_s, end_reason):
-            course = self.sheet.course(elapsed_s, end_reason)
+            course = self.sheet.course(elapsed_s, end_reason) if self.form.has_points else Course()
             last = self._counted = (items, elapsed_s, end_reason, counted(self.form, items, course))
         return last[3]
 

@@ -111,7 +111,7 @@ class ScoreSheet:
         self._history = self.state.history  # the same list
         self._items: Dict[Key, ScoringItem] = {i.key: i for i in items}
         self._rules = rules or Sheet()
-        self._course = Course()  # what the history says
+        self._course: Optional[Course] = None  # what the history says; None: not made yet
         self._moments: Tuple[Fraction, ...] = ()  # when incidents come by themselves
         self._void: Dict[int, str] = {}  # number of an entry -> why it does not count although nobody withdrew it
         self._taken: Dict[str, int] = {}  # identity of a mark -> the number of its entry; 0: it made none
@@ -449,6 +449,8 @@ class ScoreSheet:
     def course(self, elapsed_s: float, end_reason: str) -> Course:
         """Return what happened, as far as points depend on it. `elapsed_s`: counted seconds until the end;
         `end_reason`: why the run ended, empty if it did not."""
+        if self._course is None:
+            self._course = voided(self._rules, self._items, self._history)[0]
         course = with_ratings(self._course, self._items, self.items())
         # The clock counts milliseconds at best. A float's last digits must not cost a full second.
         return course._replace(
@@ -500,7 +502,8 @@ class ScoreSheet:
 
     def _stand(self) -> None:
         self._standing = {}
-        if self._rules.items:
+        self._course = None
+        if self._rules.incidents or self._rules.limit_s is not None:
             self._course, self._void = voided(self._rules, self._items, self._history)
             self._moments = moments(self._rules, self._course) if any(
                 incident.of for incident in self._rules.incidents) else ()

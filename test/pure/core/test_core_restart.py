@@ -62,7 +62,7 @@ LOST = {
 }
 LOST["RobotLink"] |= {f"_{what}{mono}" for what in ("step", "rival", "moved", "bad") for mono in ("", "_mono")}
 # Caches, the way out of the box, and what says that there was a restart.
-LOST["Zones"], LOST["ScoreSheet"] = {"_runs"}, LOST["ScoreSheet"] | {"_groups", "_records"}
+LOST["Zones"], LOST["ScoreSheet"] = {"_runs"}, LOST["ScoreSheet"] | {"_groups", "_records", "_course"}
 LOST["Zone"] = {"_run_set"}
 LOST["RunBook"], LOST["SheetForm"] = {"_counted"}, {"is_plain"}
 LOST["Run"] |= {"_dropped_strings", "_unread", "_say_dropped_from", "_state_mono"}
