@@ -27,6 +27,7 @@ from roah_rsbb.rulebook.decisions import beside
 from roah_rsbb.rulebook.errors import CannotRead, ConfigErrors, known, read_bytes
 from roah_rsbb.rulebook.event_ids import EventKey
 from roah_rsbb.rulebook.standing_rules import StandingRules, read_rules
+from roah_rsbb.scoring.book import Rescored, rescored
 
 # The places of files among the files.
 _SCHEDULE, _PASSWORDS, _STANDINGS, _DECISIONS = 1, 2, 3, 4
@@ -288,23 +289,26 @@ class Reloads:
         except ConfigErrors as errors:
             return Reloaded(errors=str(errors).splitlines())
         changes = self._configuration.changes(content, ran)
+        runs = rescored(self._in_loop(self._box.reload.over), content.config.benchmarks)
         found = Reloaded(warnings=self._configuration.warnings_of(content, ran), changes=changes,
                          errors=self._in_loop(lambda: self._box.reload.off(content.config)),
-                         rescored=self._in_loop(lambda: self._rescored(content.config)))
+                         rescored=[str(run) for run in runs if run.before.points != run.after.points])
         if found.errors:
             return found
         found = found._replace(digest=content.digest)
         if not digest or digest != content.digest:
             return found._replace(errors=[CHANGED_AGAIN] if digest else [])
         with_ids = self._configuration.with_ids(content)
-        errors = self._apply(with_ids, changes, who, for_all)
+        errors = self._apply(with_ids, changes, who, runs if for_all else None)
         trouble = "" if errors else self._configuration.write_ids(content, with_ids)
         return found._replace(errors=errors, applied=not errors,
                               warnings=[*found.warnings, *([trouble] if trouble else [])])
 
-    def _apply(self, content: Content, changes: List[str], who: str, for_all: bool) -> List[str]:
-        """Put a content into force; returns why that is not possible."""
-        if not changes and not for_all:
+    def _apply(
+        self, content: Content, changes: List[str], who: str, runs: Optional[Sequence[Rescored]]
+    ) -> List[str]:
+        """Put a content into force; returns why that is not possible. `runs`: see `Reload.take`."""
+        if not changes and runs is None:
             return []
         before = self._configuration.version
         try:
@@ -314,7 +318,7 @@ class Reloads:
 
         def act() -> None:
             self._use(content.config, version)
-            self._event(self._box.reload.take, content.config, version, changes, who, for_all)
+            self._event(self._box.reload.take, content.config, version, changes, who, runs)
             self._configuration.content = content
 
         try:
@@ -323,9 +327,6 @@ class Reloads:
             self._configuration.put_back(before)
             return refused.reasons
         return []
-
-    def _rescored(self, config: Config) -> List[str]:
-        return [str(run) for run in self._box.reload.rescored(config) if run.before.points != run.after.points]
 
     def _versions_in_use(self) -> Tuple[int, ...]:
         return tuple(zone.version for zone in self._box.zones.values() if zone.run is not None)

@@ -38,7 +38,7 @@ from roah_rsbb.model.reason import Refused, checked_who, say
 from roah_rsbb.model.records import Phase, RunRecord, SignOff
 from roah_rsbb.rulebook.benchmarks import Config, ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.event_ids import EventKey, key_of
-from roah_rsbb.scoring.book import FinishedRuns, Rescored, left_behind
+from roah_rsbb.scoring.book import FinishedRuns, Rescored, left_behind, rescored
 from roah_rsbb.scoring.counting import with_events
 from roah_rsbb.wording import sheets, times
 
@@ -260,15 +260,16 @@ class Reload:
         return [key_of_record(record) for record in self._finished.records()] + [
             key_of(run.event) for run in self._zones.runs()]
 
-    def rescored(self, config: Config) -> List[Rescored]:
-        """Return the runs that are over and whose sheets a configuration would score in another way."""
-        return self._finished.under(config.benchmarks, SignOff(0.0, ""))
+    def over(self) -> List[RunRecord]:
+        """Return the records of the runs that are over and can be corrected, the oldest first."""
+        return [run.record for run in reversed(self._finished.newest_runs())]
 
     def take(
-        self, now: Now, config: Config, version: int, changes: Sequence[str], who: str = "", for_all: bool = False
+        self, now: Now, config: Config, version: int, changes: Sequence[str], who: str = "",
+        found: Optional[Sequence[Rescored]] = None
     ) -> None:
-        """Put a configuration into force. `changes` lists what it changes; `for_all`: the runs that are over are scored
-        by its sheets, too. Raises `Refused`."""
+        """Put a configuration into force. `changes` lists what it changes; `found`: the runs that are over are scored
+        by its sheets, too, as these are; None: they keep theirs. Raises `Refused`."""
         self._timers.tick(now)
         reasons = self.off(config)
         if reasons:
@@ -276,17 +277,17 @@ class Reload:
         recorded = list(changes[:MAX_RECORDED])
         if len(changes) > MAX_RECORDED:
             recorded.append(f"… and {len(changes) - MAX_RECORDED} more")
-        rescored = self._finished.under(
-            config.benchmarks, SignOff(now.utc, checked_who(who)), "scored by another sheet") if for_all else []
-        if any(run.before.sign_off is not None for run in rescored) and sheets.person(who) in ("", sheets.NO_NAME):
+        runs = [] if found is None else self._as_now(found, config)
+        if any(run.before.sign_off is not None for run in runs) and sheets.person(who) in ("", sheets.NO_NAME):
             raise Refused([NO_SIGNER])
         value = {"version": version, "changes": recorded}
         self._outbox.emit(effects.Recorded("", "", None, "reload", value, checked_who(who)))
         self._robots.use_teams(config.passwords)
         self._finished.use(config.benchmarks, config.ranking)
-        for run in rescored:
-            self._finished.add(run.after)
-            self._outbox.emit(effects.RecordChanged(run.after))
+        for run in runs:
+            record = run.signed(SignOff(now.utc, checked_who(who)), "scored by another sheet")
+            self._finished.add(record)
+            self._outbox.emit(effects.RecordChanged(record))
         self._copies.use(config)
         self._use_zone(config.time_zone)
         self._connections.version = version
@@ -298,3 +299,11 @@ class Reload:
                 self._outbox.notice(Level.INFO, "The configuration was changed. This run keeps what it began with",
                                     zone.name)
         self._outbox.notice(Level.INFO, f"The configuration was changed ({len(changes)} changes)")
+
+    def _as_now(self, found: Sequence[Rescored], config: Config) -> List[Rescored]:
+        """Return the runs scored by the sheets of a configuration: those that changed since they were found, again."""
+        known = {run.before.identity: run for run in found}
+        new = [record for record in self.over()
+               if record.identity not in known or known[record.identity].before is not record]
+        gone = {record.identity for record in new}
+        return [*(run for run in found if run.before.identity not in gone), *rescored(new, config.benchmarks)]

@@ -244,12 +244,7 @@ class FinishedRun:
     def __init__(self, record: RunRecord, benchmark: Benchmark) -> None:
         self.record = record
         self.benchmark = benchmark
-        form = form_of(record)
-        state = BookState(
-            SheetState(list(record.history), record.marks), list(record.stops), record.started_utc, record.elapsed_s,
-            JudgesState.of(record.judging), PublicationState.of(record.publication), list(record.outages),
-        )
-        self._book = RunBook(form, state, over=True)
+        self._book = RunBook(form_of(record), _state_of(record), over=True)
         if record.end_reason in _NOT_RUN:
             self._book.judges.rule = None  # there was nothing to see
 
@@ -314,18 +309,6 @@ class FinishedRun:
         self.record = self.record._replace(sign_off=SignOff(now.utc, who))
         return f"Score sheet signed off by {who}"
 
-    def under(self, form: SheetForm, decided: SignOff, why: str) -> RunRecord:
-        """Return its record by other rules: the same marks on another sheet. A signed sheet stays as a version, and the
-        new one is signed by who decided it."""
-        record = _renamed(self.record, form)
-        state = replace(self._book.state, sheet=SheetState(list(record.history), record.marks),
-                        judging=JudgesState.of(record.judging))
-        found = RunBook(form, state, over=True).into(record)
-        if record.sign_off is None:
-            return found
-        before = SheetVersion(decided.utc, why, record.sign_off, record.items, record.points, record.form)
-        return found._replace(sign_off=decided, versions=(*record.versions, before))
-
     def _check_open(self) -> None:
         signed = self.record.sign_off
         if signed is not None:
@@ -347,10 +330,18 @@ def is_scored_alike(one: SheetForm, other: SheetForm) -> bool:
 
 
 class Rescored(NamedTuple):
-    """A run before and after its sheet is scored by other rules."""
+    """A run before and after its sheet is scored by other rules: the same marks on another sheet."""
 
     before: RunRecord
     after: RunRecord
+
+    def signed(self, decided: SignOff, why: str) -> RunRecord:
+        """Return the run afterwards. A signed sheet stays as a version, and the new one is signed by who decided it."""
+        before = self.before
+        if before.sign_off is None:
+            return self.after
+        version = SheetVersion(decided.utc, why, before.sign_off, before.items, before.points, before.form)
+        return self.after._replace(sign_off=decided, versions=(*before.versions, version))
 
     def __str__(self) -> str:
         run, points = self.before, (self.before.points, self.after.points)
@@ -358,6 +349,25 @@ class Rescored(NamedTuple):
         signed = ", signed off: it gets a new version" if run.sign_off is not None else ""
         name = f"{run.benchmark}, team {run.team}, {sheets.turn(run.round, run.run)}"
         return f"{name}: {totals[0]}, now {totals[1]}{signed}"
+
+
+def rescored(records: Iterable[RunRecord], benchmarks: Mapping[str, Benchmark]) -> List[Rescored]:
+    """Return the runs whose sheets other benchmarks would score in another way. Hundreds of runs take a second, so this
+    is not for the loop's thread; it needs only their records."""
+    found = []
+    for record in records:
+        benchmark = benchmarks.get(record.benchmark)
+        if benchmark is not None and not is_scored_alike(form_of(record), benchmark.form):
+            renamed = _renamed(record, benchmark.form)
+            found.append(Rescored(record, RunBook(benchmark.form, _state_of(renamed), over=True).into(renamed)))
+    return found
+
+
+def _state_of(record: RunRecord) -> BookState:
+    """Return the book of a finished run."""
+    return BookState(
+        SheetState(list(record.history), record.marks), list(record.stops), record.started_utc, record.elapsed_s,
+        JudgesState.of(record.judging), PublicationState.of(record.publication), list(record.outages))
 
 
 def left_behind(record: RunRecord, utc: float) -> RunRecord:
@@ -406,16 +416,6 @@ class FinishedRuns:
         return record._replace(
             items=self._items.setdefault(record.items, record.items), history=(), stops=(), phases=(), form=None,
             marks="", judging=_NO_JUDGING, publication=_NO_PUBLICATION)
-
-    def under(self, benchmarks: Mapping[str, Benchmark], decided: SignOff, why: str = "") -> List[Rescored]:
-        """Return the runs whose sheets other benchmarks would score in another way, the oldest first. Those that are
-        too old to be corrected keep theirs."""
-        found = []
-        for run in self._runs.values():
-            benchmark = benchmarks.get(run.record.benchmark)
-            if benchmark is not None and not is_scored_alike(form_of(run.record), benchmark.form):
-                found.append(Rescored(run.record, run.under(benchmark.form, decided, why)))
-        return found
 
     def restore(self, records: Iterable[RunRecord]) -> None:
         """Take records from before a restart, in any order. Only those of runs that were left are kept."""

@@ -19,6 +19,7 @@ from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import EventRules, ZonePlan
 from roah_rsbb.rulebook.changes import changes
 from roah_rsbb.rulebook.event_ids import adopted
+from roah_rsbb.scoring.book import rescored
 from roah_rsbb.scoring.counting import Why, rulings
 from roah_rsbb.scoring.sheet import Mark
 
@@ -404,6 +405,11 @@ def finished_run(driver, signer=""):
     return identity
 
 
+def found(driver, points):
+    """The runs that such a sheet would score in another way."""
+    return rescored(driver.box.reload.over(), scored_day(points).benchmarks)
+
+
 def record(driver, identity):
     return driver.box.scores.named(RunName("tbm", identity)).record
 
@@ -411,9 +417,9 @@ def record(driver, identity):
 def test_a_changed_sheet_names_the_runs_that_it_would_score_otherwise():
     driver = BoxDriver(scored_day(60))
     identity = finished_run(driver)
-    assert [str(run) for run in driver.box.reload.rescored(scored_day(50))] == [
+    assert [str(run) for run in found(driver, 50)] == [
         "HGTKMH, team Alpha, round 1, run 1: 60, now 50"]
-    assert driver.box.reload.rescored(scored_day(60)) == []
+    assert found(driver, 60) == []
     reload(driver, scored_day(50), before=scored_day(60))
     assert record(driver, identity).points.total == "60", "from now on"
 
@@ -422,10 +428,10 @@ def test_runs_that_kept_their_sheet_can_be_scored_by_the_new_one_later():
     driver = BoxDriver(scored_day(60))
     identity = finished_run(driver)
     reload(driver, scored_day(50), before=scored_day(60))
-    assert [run.after.points.total for run in driver.box.reload.rescored(scored_day(50))] == ["50"]
-    driver.event(driver.box.reload.take, scored_day(50), 1, [], "Olga", True)
+    assert [run.after.points.total for run in found(driver, 50)] == ["50"]
+    driver.event(driver.box.reload.take, scored_day(50), 1, [], "Olga", found(driver, 50))
     assert record(driver, identity).points.total == "50"
-    assert driver.box.reload.rescored(scored_day(50)) == []
+    assert found(driver, 50) == []
 
 
 def test_a_changed_sheet_for_all_runs_gives_a_signed_one_a_new_version():
@@ -433,8 +439,8 @@ def test_a_changed_sheet_for_all_runs_gives_a_signed_one_a_new_version():
     identity = finished_run(driver, "Ben")
     signed = record(driver, identity)
     with pytest.raises(Refused, match="needs the name"):
-        driver.event(driver.box.reload.take, scored_day(50), 1, ["a sheet"], "/web", True)
-    driver.event(driver.box.reload.take, scored_day(50), 1, ["a sheet"], "Olga", True)
+        driver.event(driver.box.reload.take, scored_day(50), 1, ["a sheet"], "/web", found(driver, 50))
+    driver.event(driver.box.reload.take, scored_day(50), 1, ["a sheet"], "Olga", found(driver, 50))
     now = record(driver, identity)
     assert (now.points.total, now.sign_off.who, now.history) == ("50", "Olga", signed.history)
     (version,) = now.versions
@@ -442,3 +448,13 @@ def test_a_changed_sheet_for_all_runs_gives_a_signed_one_a_new_version():
     assert driver.taken(effects.RecordChanged)[-1].record == now
     with pytest.raises(Refused, match="final"):
         driver.event(driver.box.scores.mark, RunName("tbm", identity), Mark(*GLASS.key, 0), "Anna")
+
+
+def test_a_run_that_changed_since_it_was_found_is_scored_as_it_is_now():
+    driver = BoxDriver(scored_day(60))
+    identity = finished_run(driver)
+    before = found(driver, 50)
+    driver.event(driver.box.scores.mark, RunName("tbm", identity), Mark(*GLASS.key, 0), "Anna")
+    later = finished_run(driver)
+    driver.event(driver.box.reload.take, scored_day(50), 1, ["a sheet"], "Olga", before)
+    assert [record(driver, each).points.total for each in (identity, later)] == ["0", "50"]

@@ -13,7 +13,7 @@ from roah_rsbb.model.records import By, JudgeSheet, JudgingRecord, RunRecord, Se
 from roah_rsbb.model.rules import Incident, Item, ItemChoice, Measure, Sheet, Voids
 from roah_rsbb.model.scoring import INCIDENTS, SheetForm, rows
 from roah_rsbb.rulebook.benchmarks import Benchmark
-from roah_rsbb.scoring.book import BookState, FinishedRun, RunBook
+from roah_rsbb.scoring.book import BookState, FinishedRun, RunBook, rescored
 from roah_rsbb.scoring.sheet import Mark, SheetState
 
 TABLE, SPECIAL = "Table", "Special"
@@ -272,8 +272,9 @@ def test_marks_follow_their_rows_to_other_names():
         end_reason="completed", judging=JudgingRecord((JudgeSheet("Ann", 1.0, history=entries),), (settled,)))
     names = {"table": "Desk", "finds": "Drops an object", "drops": "Lets an object fall"}
     other = replace(SHEET, items=tuple(replace(item, name=names.get(item.id, item.name)) for item in SHEET.items))
-    found = FinishedRun(record, Benchmark("X", "X", "", 420.0, 420.0, ())).under(
-        SheetForm(rows(other), sheet=other), SignOff(2.0, "Hugo"), "other names")
+    benchmark = Benchmark("X", "X", "", 420.0, 420.0, rows(other), sheet=other)
+    (scored,) = rescored([record], {record.benchmark: benchmark})
+    found = scored.signed(SignOff(2.0, "Hugo"), "other names")
     assert found.points.total == record.points.total == "10"
     places = [("Desk", "Drops an object"), ("Desk", "Lets an object fall")]
     assert [(entry.group, entry.desc) for entry in found.history] == places
