@@ -1,7 +1,5 @@
 """Standings as text."""
 
-import math
-from decimal import Decimal
 from fractions import Fraction
 from typing import Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
@@ -12,14 +10,12 @@ from roah_rsbb.model.rules import Attempts
 from roah_rsbb.results.lists import aligned
 from roah_rsbb.rulebook.standing_rules import Rules
 from roah_rsbb.scoring.counting import RunChoice
-from roah_rsbb.scoring.points import text_of
 from roah_rsbb.scoring.standings import RankedRun, Standing, TeamLine, standings
+from roah_rsbb.scoring.tree import rounded_text
 from roah_rsbb.wording.sheets import NOT_SIGNED_OFF, turn
 from roah_rsbb.wording.texts import one_line
 from roah_rsbb.wording.times import NOTHING
 
-# Numbers are shown with at most this many decimals.
-_DECIMALS = 3
 DISQUALIFIED = "disqualified"
 OF_RUNS = {
     Attempts.BEST: "the best run of each team counts", Attempts.FIRST: "the first run of each team counts",
@@ -31,10 +27,7 @@ OF_RUNS = {
 
 def number_text(number: Optional[Fraction]) -> str:
     """A number with at most three decimals. It is rounded half up."""
-    if number is None:
-        return NOTHING
-    shown = math.floor(abs(number) * 10 ** _DECIMALS + Fraction(1, 2))
-    return text_of(Decimal(-shown if number < 0 else shown).scaleb(-_DECIMALS))
+    return NOTHING if number is None else rounded_text(number)
 
 
 def number_with_unit(number: Optional[Fraction], unit: str) -> str:

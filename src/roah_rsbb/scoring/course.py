@@ -8,7 +8,7 @@ from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence
 from roah_rsbb.model.records import ItemRecord, ScoreEntry
 from roah_rsbb.model.rules import Item, Measure, Sheet
 from roah_rsbb.model.scoring import INCIDENTS, MAX_INCIDENTS, Key, ScoreKind, ScoringItem
-from roah_rsbb.scoring.earlier import key_id
+from roah_rsbb.scoring.earlier import id_of
 from roah_rsbb.scoring.tree import Course, Happened, SheetMark, void_marks
 
 NOTHING: Mapping[int, str] = {}
@@ -90,11 +90,6 @@ def _moments(sheet: Sheet, entries: Sequence[ScoreEntry]) -> List[Optional[Fract
         if sheet.limit_s is None or at_s <= sheet.limit_s:
             before = at_s
     return [None] * len(found) if all(entry.clock_s is None for entry in entries) else found
-
-
-def id_of(row: ScoringItem) -> str:
-    """Return what the rules call a row; those of files before 2026-12 by group and description."""
-    return row.id or key_id(row.key)
 
 
 def _number(entry: ScoreEntry, row: ScoringItem, before: Fraction) -> Fraction:

@@ -52,18 +52,22 @@ def sheet_of(form: SheetForm) -> Sheet:
     return Sheet(tuple(items), clock_s=form.time_limit or None)
 
 
-def key_id(key: Key) -> str:
-    """Return the id of an item that has none in its file."""
+def id_of(row: ScoringItem) -> str:
+    """Return what the rules call a row. It has no id if it is of a file before 2026-12."""
+    return row.id or _key_id(row.key)
+
+
+def _key_id(key: Key) -> str:
     return "\n".join(key)
 
 
 def _item(row: ScoringItem, under: str) -> Item:
     return Item(
-        row.id or key_id(row.key), row.desc, under, _MEASURES[row.kind], row.points, decimals=MAX_DECIMALS,
+        id_of(row), row.desc, under, _MEASURES[row.kind], row.points, decimals=MAX_DECIMALS,
         low=row.least, high=row.most, choices=row.choices, judges=row.judges, jury=row.jury,
-        needs=tuple(Condition(key_id(key)) for key in row.needs))
+        needs=tuple(Condition(_key_id(key)) for key in row.needs))
 
 
 def _time_left(bonus: TimeLeft, under: str) -> Item:
     return Item(_LEFT, TIME_LEFT, under, Measure.CLOCK, bonus.points, most=bonus.most, seconds=bonus.seconds,
-                needs=tuple(Condition(key_id(key)) for key in bonus.needs))
+                needs=tuple(Condition(_key_id(key)) for key in bonus.needs))

@@ -7,7 +7,7 @@ from typing import List, NamedTuple, Optional, Sequence, Set, Tuple
 from roah_rsbb.model.records import GroupPoints, ItemRecord, SheetPoints
 from roah_rsbb.model.rules import JuryResult, Measure, Sheet
 from roah_rsbb.model.scoring import MAX_DECIMALS, MAX_VALUE, ScoringItem, SheetForm
-from roah_rsbb.scoring.earlier import key_id, sheet_of
+from roah_rsbb.scoring.earlier import id_of, sheet_of
 from roah_rsbb.scoring.tree import Course, Worth, count
 
 # More digits than any sum of values within the limits can have.
@@ -72,14 +72,10 @@ def counted(form: SheetForm, items: Sequence[ItemRecord], course: Course) -> Cou
     worth = count(sheet, course)
     rows = {row.key: row for row in form.items if row.has_points}
     return CountedSheet(
-        tuple(record._replace(points=exact_text(worth.own.get(_id(rows[record.key]), Fraction(0))))
+        tuple(record._replace(points=exact_text(worth.own.get(id_of(rows[record.key]), Fraction(0))))
               if record.key in rows else record for record in items),
         SheetPoints(exact_text(worth.total), tuple(_groups(sheet, worth)), worth.steps,
                     exact_text(worth.charged) if worth.charged else "", worth.replaces, _inner(sheet)))
-
-
-def _id(row: ScoringItem) -> str:
-    return row.id or key_id(row.key)
 
 
 def _groups(sheet: Sheet, worth: Worth) -> List[GroupPoints]:

@@ -9,10 +9,10 @@ fractions. Every step that a reader could doubt is said in words.
 from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
-from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.model.reason import Reason, say
-from roah_rsbb.model.rules import Condition, Incident, Item, Measure, Sheet, Voids
+from roah_rsbb.model.rules import Condition, Incident, Item, ItemChoice, Measure, Sheet, Voids
 from roah_rsbb.wording.times import elapsed
 
 ZERO, ONE = Fraction(0), Fraction(1)
@@ -84,9 +84,7 @@ class Worth(NamedTuple):
     total: Fraction
     points: Mapping[str, Fraction]  # of each item with all that hangs under it, by id
     own: Mapping[str, Fraction]  # of each item alone, before limits, by id
-    amounts: Mapping[str, Fraction]  # how often each item counts, by id, before conditions
     steps: Tuple[str, ...]
-    void: Mapping[int, str]  # marks that do not count, by their place in the course, and why
     replaces: bool  # the attempts before this one do not count
     charged: Fraction = ZERO  # points that the team gets whichever attempt counts; not in the total
 
@@ -97,7 +95,7 @@ def count(sheet: Sheet, course: Course) -> Worth:
     steps, void = run.go_through()
     tree = _Tree(sheet, run.left(void), run.decided, course)
     total = tree.total()
-    return Worth(total, tree.points, tree.own, tree.amounts(), (*steps, *tree.steps), void, run.replaces, tree.charged)
+    return Worth(total, tree.points, tree.own, (*steps, *tree.steps), run.replaces, tree.charged)
 
 
 def is_late(why: str) -> bool:
@@ -150,10 +148,9 @@ class _Run:
                 self._decide(item)
         return self._steps, self._void
 
-    def left(self, void: Iterable[int]) -> List[SheetMark]:
+    def left(self, void: Mapping[int, str]) -> List[SheetMark]:
         """Return the marks that are not void, in the order in which they were made."""
-        gone = set(void)
-        return sorted((mark for index, mark in enumerate(self._marks) if index not in gone), key=_when)
+        return sorted((mark for index, mark in enumerate(self._marks) if index not in void), key=_when)
 
     def _drop_late(self) -> None:
         limit = None if self.sheet.limit_s is None else Fraction(self.sheet.limit_s)
@@ -439,10 +436,6 @@ class _Tree:
         self.charged = ZERO
         self.steps: List[str] = []
 
-    def amounts(self) -> Dict[str, Fraction]:
-        """Return how often each item was given."""
-        return {item: times.total() for item, times in self._times.items()}
-
     def total(self) -> Fraction:
         """Return the points of the sheet."""
         terms: List[Fraction] = []
@@ -470,11 +463,14 @@ class _Tree:
         """Whether an item, or one under it, was given and counts. The reader of the rules refuses circles."""
         if item.amount is not Measure.SECTION:
             if item.amount is Measure.CHOICE:
-                chosen = next((c for c in item.choices if c.name == self._texts.get(item.id)), None)
+                chosen = self._chosen(item)
                 has_points = any(choice.points is not None for choice in item.choices)
                 return chosen is not None and (not has_points or bool(chosen.points)) and not self._barred(item)
             return self._counting(item).total() != 0
         return any(map(self._is_given, self._under.get(item.id, ())))
+
+    def _chosen(self, item: Item) -> Optional[ItemChoice]:
+        return next((choice for choice in item.choices if choice.name == self._texts.get(item.id)), None)
 
     def _met(self, condition: Condition) -> bool:
         item = self._items[condition.item]
@@ -586,8 +582,8 @@ class _Tree:
 
     def _own(self, item: Item, times: _Times) -> Fraction:
         if item.amount is Measure.CHOICE:
-            chosen = next((c.points for c in item.choices if c.name == self._texts.get(item.id)), None)
-            return ZERO if chosen is None or self._barred(item) else Fraction(chosen)
+            chosen = self._chosen(item)
+            return ZERO if chosen is None or self._barred(item) else Fraction(chosen.points or 0)
         if item.amount is Measure.CLOCK:
             return self._clock_points(item)
         points = Fraction(item.points or 0) * times.total()
@@ -710,8 +706,13 @@ def _sum_text(terms: Sequence[Fraction]) -> str:
     return text + "".join(f" {'−' if term < 0 else '+'} {number_text(abs(term))}" for term in terms[1:])
 
 
+def rounded_text(number: Fraction) -> str:
+    """Return a number for people: exact if it has at most three decimals, else rounded to them, half up."""
+    thousandths = int(_rounded(number, 3) * 1000)
+    text = f"{abs(thousandths) // 1000}.{abs(thousandths) % 1000:03}".rstrip("0").rstrip(".")
+    return f"-{text}" if thousandths < 0 else text
+
+
 def number_text(number: Fraction) -> str:
-    """Return a number for people: exact if it has at most three decimals, else rounded to them."""
-    rounded = round(number * 1000)
-    text = f"{abs(rounded) // 1000}.{abs(rounded) % 1000:03}".rstrip("0").rstrip(".")
-    return f"−{text}" if rounded < 0 else text
+    """Return a number in a step: see `rounded_text`, with the minus of sums."""
+    return rounded_text(number).replace("-", "−")

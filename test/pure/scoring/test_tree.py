@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 from roah_rsbb.model.rules import Condition, Incident, Item, ItemChoice, Measure, Sheet, Voids
-from roah_rsbb.scoring.tree import Course, Happened, SheetMark, count
+from roah_rsbb.scoring.tree import Course, Happened, SheetMark, count, number_text
 
 
 def row(name, points, times=None, under="", **values):
@@ -231,3 +231,10 @@ def test_steps_of_incidents(happened, step):
 ])
 def test_the_last_step_is_the_total(marks, step):
     assert worth([row("done", 10), row("absent", -500)], *marks).steps[-1] == step
+
+
+@pytest.mark.parametrize(("number", "text"), [
+    (Fraction(1, 16), "0.063"), (Fraction(-1, 16), "−0.063"), (Fraction(-1, 3000), "0"), (Fraction(100), "100"),
+    (Fraction(2, 3), "0.667"), (Fraction(-5, 2), "−2.5")])
+def test_numbers_in_steps_are_rounded_as_in_standings(number, text):
+    assert number_text(number) == text
