@@ -27,7 +27,6 @@ from roah_rsbb.rulebook.decisions import beside
 from roah_rsbb.rulebook.errors import CannotRead, ConfigErrors, known, read_bytes
 from roah_rsbb.rulebook.event_ids import EventKey
 from roah_rsbb.rulebook.standing_rules import StandingRules, read_rules
-from roah_rsbb.scoring.book import Rescored, rescored
 
 # The places of files among the files.
 _SCHEDULE, _PASSWORDS, _STANDINGS, _DECISIONS = 1, 2, 3, 4
@@ -289,7 +288,7 @@ class Reloads:
         except ConfigErrors as errors:
             return Reloaded(errors=str(errors).splitlines())
         changes = self._configuration.changes(content, ran)
-        runs = rescored(self._in_loop(self._box.reload.over), content.config.benchmarks)
+        runs = self._in_loop(lambda: self._box.reload.rescoring(content.config))()
         found = Reloaded(warnings=self._configuration.warnings_of(content, ran), changes=changes,
                          errors=self._in_loop(lambda: self._box.reload.off(content.config)),
                          rescored=[str(run) for run in runs if run.before.points != run.after.points])
@@ -305,7 +304,7 @@ class Reloads:
                               warnings=[*found.warnings, *([trouble] if trouble else [])])
 
     def _apply(
-        self, content: Content, changes: List[str], who: str, runs: Optional[Sequence[Rescored]]
+        self, content: Content, changes: List[str], who: str, runs: Optional[Sequence[Any]]
     ) -> List[str]:
         """Put a content into force; returns why that is not possible. `runs`: see `Reload.take`."""
         if not changes and runs is None:

@@ -17,7 +17,7 @@ says what becomes of them.
 """
 
 from types import MappingProxyType
-from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.authority import Authority
@@ -260,9 +260,11 @@ class Reload:
         return [key_of_record(record) for record in self._finished.records()] + [
             key_of(run.event) for run in self._zones.runs()]
 
-    def over(self) -> List[RunRecord]:
-        """Return the records of the runs that are over and can be corrected, the oldest first."""
-        return [run.record for run in reversed(self._finished.newest_runs())]
+    def rescoring(self, config: Config) -> Callable[[], List[Rescored]]:
+        """Return what finds the runs that are over and whose sheets a configuration would score in another way. It is
+        for another thread than the loop's: see `rescored`."""
+        records = self._over()
+        return lambda: rescored(records, config.benchmarks)
 
     def take(
         self, now: Now, config: Config, version: int, changes: Sequence[str], who: str = "",
@@ -303,7 +305,11 @@ class Reload:
     def _as_now(self, found: Sequence[Rescored], config: Config) -> List[Rescored]:
         """Return the runs scored by the sheets of a configuration: those that changed since they were found, again."""
         known = {run.before.identity: run for run in found}
-        new = [record for record in self.over()
+        new = [record for record in self._over()
                if record.identity not in known or known[record.identity].before is not record]
         gone = {record.identity for record in new}
         return [*(run for run in found if run.before.identity not in gone), *rescored(new, config.benchmarks)]
+
+    def _over(self) -> List[RunRecord]:
+        """Return the records of the runs that are over and can be corrected, the oldest first."""
+        return [run.record for run in reversed(self._finished.newest_runs())]

@@ -19,7 +19,6 @@ from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.benchmarks import EventRules, ZonePlan
 from roah_rsbb.rulebook.changes import changes
 from roah_rsbb.rulebook.event_ids import adopted
-from roah_rsbb.scoring.book import rescored
 from roah_rsbb.scoring.counting import Why, rulings
 from roah_rsbb.scoring.sheet import Mark
 
@@ -407,7 +406,7 @@ def finished_run(driver, signer=""):
 
 def found(driver, points):
     """The runs that such a sheet would score in another way."""
-    return rescored(driver.box.reload.over(), scored_day(points).benchmarks)
+    return driver.box.reload.rescoring(scored_day(points))()
 
 
 def record(driver, identity):
