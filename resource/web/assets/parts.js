@@ -94,6 +94,10 @@ export function address(path, more = {}) {
   return query.toString() ? `${path}?${query}` : path;
 }
 
+// An icon of icons.svg, by its name there without "i-". The words beside it say the same.
+export const Icon = ({name, solid = false}) => html`
+  <svg class="icon ${solid ? "solid" : ""}" aria-hidden="true"><use href="/assets/icons.svg#i-${name}" /></svg>`;
+
 // -- times --------------------------------------------------------------------------------------------
 
 function two(number) {

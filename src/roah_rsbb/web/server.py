@@ -43,6 +43,11 @@ PAGES_WITH_STOP = ("referee", "box")
 PAGE_WITHOUT_STOP = "overlay"  # part of a picture
 # Classes of a page besides its name: of the whole box, also those of the page that it consists of.
 _KINDS = {"box": " device referee"}
+# The style sheets of a page. A page that is not here has the old one.
+# To do: take the old one out when all pages have the parts.
+_PARTS = ("tokens", "dark", "parts")
+_STYLES: Dict[str, Tuple[str, ...]] = {}
+_MEDIA = {"dark": ' media="(prefers-color-scheme: dark)"'}
 PAGES_OF_DEVICES = ("pair", *PAGES_WITH_STOP, "displays", "codes")
 PAGES = (*DISPLAYS, *PAGES_OF_DEVICES)
 # A device that scores makes some requests a second. A crowd behind the same address has other limits.
@@ -295,6 +300,8 @@ class PageHandler(OfDevice):
         self.finish(page.format(
             again=again, name=name or "index", kind=_KINDS.get(name, " device") if name in PAGES_OF_DEVICES else "",
             script="referee" if name in PAGES_WITH_STOP else name or "index",
+            styles="\n  ".join(f'<link rel="stylesheet" href="/assets/{style}.css"{_MEDIA.get(style, "")}>'
+                                for style in _STYLES.get(name or "index", ("pages",))),
             layout="" if name in DISPLAYS else 'data-layout="list"',
             stop='<script src="/assets/stop.js"></script>' if has_stop else "",
         ))
