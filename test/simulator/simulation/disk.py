@@ -337,6 +337,8 @@ class Syncer:
         self.wake()
         if not self._is_working and not self._storage.write_s():
             self._run()
+            if self._process.is_ended:  # the core, which waits here, was killed meanwhile
+                raise Ended
         return is_done()
 
     def wait(self, is_done, timeout):

@@ -151,7 +151,6 @@ class Ledger:
         self._sure = None  # after a loss: until when everything must be there, and whether that was confirmed must
         self.entered_at = 0.0  # when something that must be on the disk was entered last
         self.resumed = 0.0  # when the present box began
-        self.is_first = True  # it is the first one
         self._away_s = 0.0  # for how long there was none before
         self._keeps_stop = []  # after losses: whether a STOP of a moment must be known
 
@@ -381,7 +380,7 @@ class Ledger:
         before = believed.phase
         believed.phase, believed.reason, believed.changed = run.phase, run.end_reason, now
         # While the box was away, the robot may have completed its task: these seconds are not counted.
-        is_unseen = run.end_reason is EndReason.COMPLETED and self._world.witness.is_unseen(run)
+        is_unseen = run.end_reason is EndReason.COMPLETED and self._world.witness.is_unseen(run, believed.went)
         read = believed.watch.read(now)
         came = self._world.witness.results(run, believed) if run.end_reason is EndReason.COMPLETED else ()
         first = min([read - self._world.box.process.hung_s(), *(at for at, _ in came)])
@@ -513,7 +512,7 @@ class Ledger:
         """The next box has resumed. `was_set`: somebody has set its clock. `killed_at`: when the one before ended, on
         this computer."""
         now = self._world.scheduler.now
-        self.is_first, self.resumed = self.resumed == 0.0, now
+        self.resumed = now
         self._away_s = 0.0 if killed_at is None else now - killed_at
         if is_other_clock:
             for believed in self.current.values():

@@ -181,8 +181,14 @@ class Referee:
                 else:
                     answer("; ".join(reasons))
 
+            def event(method, *arguments):
+                def take(now, *those):
+                    done.at = scheduler.now  # a core that hung asks its standby before that
+                    method(now, *those)
+                core.event(take, *arguments)
+
             done.at = scheduler.now
-            calls = BoxCalls(core.box, core.event, Disks(
+            calls = BoxCalls(core.box, event, Disks(
                 core.journal.ticket, why_not_saved, ask_standby, core.why_not_recorded)).named()
             with self.world.ledger.acting(done, core.box.zones[zone].event):
                 found = carried_out(calls[call], arguments, Caller("referee"))

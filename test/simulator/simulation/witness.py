@@ -229,9 +229,9 @@ class Witness:
             if member.robot_state is not None and self.sent[member.port].state is not BoxState.STOP:
                 self._due.append((now, member.port))
 
-    def is_unseen(self, run):
-        """Whether a robot may have completed its task while the box was away."""
-        return not self._world.ledger.is_first and any(
+    def is_unseen(self, run, went):
+        """Whether a robot that a referee let go then may have completed its task while the box was away."""
+        return went < self._world.ledger.resumed and any(
             self._did.get(member.port) is not RobotState.EXECUTING for member in members(run))
 
     def is_counted(self, run):
