@@ -75,7 +75,7 @@ class Item:
     amount: Measure = Measure.COUNT
     points: Number = None
     percent: Number = None  # of what the items before it left, instead of points
-    decimals: Optional[int] = None  # its own points are rounded to so many, half up; None: they are exact
+    decimals: Optional[int] = None  # its own points are rounded to so many, half away from 0; None: they are exact
     compounding: bool = False  # each time of a percentage applies to what the time before it left
     times: Optional[int] = None  # counts at most so often
     least: Number = None  # limits of the points of it and of all that hangs under it
@@ -94,6 +94,13 @@ class Item:
     for_team: bool = False  # the team gets its points whichever attempt counts: they are not part of the sheet's
     total: Number = None  # the most points that it can give, as the rule book states them
     tags: Tuple[str, ...] = ()
+
+    @property
+    def has_points(self) -> bool:
+        """Whether marks of it can give points."""
+        return self.amount is not Measure.CLOCK and (
+            self.points is not None or self.percent is not None
+            or any(choice.points is not None for choice in self.choices))
 
 
 class Voids(enum.Enum):
@@ -131,6 +138,11 @@ class Incident:
     longer_by: str = ""  # the incident that extends this time, by its fact `seconds`
     longer: Number = None  # seconds that one extension may have at most
     requests: Optional[int] = None  # how many extensions are allowed
+
+    @property
+    def title(self) -> str:
+        """Its name, as people read it."""
+        return self.name[:1].upper() + self.name[1:]
 
 
 class Attempts(enum.Enum):

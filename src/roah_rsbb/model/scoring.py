@@ -91,7 +91,7 @@ class ScoringItem:
     judges: Tuple[str, ...] = ()
     jury: JuryResult = JuryResult.MEAN
     needs: Tuple[Key, ...] = ()  # the item counts only if all of these are given
-    id: str = ""  # what the rules call it; empty: its key, or it is an incident
+    id: str = ""  # what the rules call it, as an item or, in the group `INCIDENTS`, an incident; empty: as it is here
     percent: Number = None  # of what the items before it left, instead of points
     unit: str = ""  # of its value
 
@@ -221,7 +221,8 @@ def rows(sheet: Sheet) -> Tuple[ScoringItem, ...]:
             key = sections[item.id], item.name
             seen[key] = seen.get(key, 0) + 1
             found.append(_row(item, key[0], item.name if seen[key] == 1 else f"{item.name} ({seen[key]})", names))
-    found += [ScoringItem(INCIDENTS, incident.name, ScoreKind.UINT) for incident in marked_incidents(sheet)]
+    found += [ScoringItem(INCIDENTS, incident.title, ScoreKind.UINT, id=incident.name)
+              for incident in marked_incidents(sheet)]
     return tuple(found)
 
 

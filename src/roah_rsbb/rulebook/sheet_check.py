@@ -74,7 +74,8 @@ class _Rows:
             elif item.amount is Measure.SECTION:
                 if item.id not in self._under:
                     self._found.append(f"{name} is a section without items")
-            elif has_points and item.id not in asked and not _has_points(item) and item.id not in self._under:
+            elif has_points and item.id not in {*asked, *self._under} and not item.has_points and (
+                    item.amount is not Measure.CLOCK):
                 self._found.append(f"{name} gives no points, and no other row depends on it: write "
                                    f"'{_recorded(item)}' if it is only recorded")
             for condition in item.needs:
@@ -183,11 +184,6 @@ class _Rows:
                         needed.add((condition.item, condition.text))
                         yield from self._needed(self._items[condition.item], needed)
             above = self._items.get(above.under)
-
-
-def _has_points(item: Item) -> bool:
-    return (item.points is not None or item.percent is not None
-            or any(choice.points is not None for choice in item.choices))
 
 
 def _recorded(item: Item) -> str:

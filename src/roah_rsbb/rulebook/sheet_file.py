@@ -9,7 +9,7 @@ from decimal import Decimal
 from typing import Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.rules import Condition, Incident, Item, ItemChoice, JuryResult, Measure, Sheet, Voids
-from roah_rsbb.model.scoring import MAX_NUMBER, MAX_VALUE
+from roah_rsbb.model.scoring import MAX_DECIMALS, MAX_NUMBER, MAX_VALUE
 from roah_rsbb.rulebook.errors import Place, Report, listing, quote
 from roah_rsbb.rulebook.yaml_fields import choice, describe, exact, fields, integer, sequence, text
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable
@@ -27,19 +27,19 @@ _ITEM = {"item": "Opens the door"}
 _ITEM_OPTIONAL = {
     **_OF_BOTH, "amount": "count", "points": "10", "percent": "-5", "compounding": "yes", "times": "3", "each": "yes",
     "share_of_all": "yes", "from": "0", "to": "10", "seconds": "10", "choices": "{fully: 20, partly: 10}",
-    "judges": "3", "jury": "mean",
+    "judges": "3", "jury": "mean", "decimals": "0",
 }
-_WORTH = ("points", "percent", "compounding")
+_WORTH = ("points", "percent", "compounding", "decimals")
 # The keys of each amount besides those of sections.
 _KEYS = {
     Measure.YES: (*_WORTH, "times", "each"),
     Measure.COUNT: (*_WORTH, "times", "each"),
     Measure.PERCENT: (*_WORTH, "times", "each", "share_of_all"),
     Measure.NUMBER: (*_WORTH, "from", "to"),
-    Measure.POINTS: ("points", "from", "to"),
+    Measure.POINTS: ("points", "decimals", "from", "to"),
     Measure.CHOICE: ("choices",),
     Measure.CLOCK: ("points", "seconds"),
-    Measure.RATING: ("points", "from", "to", "judges", "jury"),
+    Measure.RATING: ("points", "decimals", "from", "to", "judges", "jury"),
 }
 _AMOUNTS = {amount.value: amount for amount in _KEYS}
 _UNLIMITED = "unlimited"
@@ -281,6 +281,7 @@ class _Rows:
         return replace(
             item, low=low, high=high, points=Decimal(1) if amount is Measure.POINTS and points is None else points,
             percent=exact(report, got.get("percent"), "percent", -MAX_NUMBER, MAX_NUMBER),
+            decimals=integer(report, got.get("decimals"), "decimals", 0, MAX_DECIMALS),
             compounding=_yes(report, got, "compounding"), each=_yes(report, got, "each"),
             share_of_all=_yes(report, got, "share_of_all"),
             times=self._times(got.get("times")) if "times" in _KEYS[amount] else None,

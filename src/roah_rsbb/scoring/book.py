@@ -25,10 +25,10 @@ from roah_rsbb.model.records import (
     SignOff,
     StopRecord,
 )
-from roah_rsbb.model.scoring import ScoreKind, ScoringItem, SheetForm
+from roah_rsbb.model.scoring import INCIDENTS, ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.rulebook.benchmarks import Benchmark, EventRules
 from roah_rsbb.rulebook.standing_rules import StandingRules
-from roah_rsbb.scoring.earlier import sheet_of
+from roah_rsbb.scoring.earlier import id_of, sheet_of
 from roah_rsbb.scoring.judges import ItemVerdict, Judges, JudgesState
 from roah_rsbb.scoring.points import CountedSheet, counted
 from roah_rsbb.scoring.publication import Publication, PublicationState
@@ -223,9 +223,14 @@ def form_of(record: RunRecord) -> SheetForm:
 
 
 def _renamed(record: RunRecord, form: SheetForm) -> RunRecord:
-    """Return a record with the names that its rows have on another sheet: they are known by their ids."""
-    now = {row.id: row.key for row in form.items if row.id}
-    keys = {row.key: now[row.id] for row in form_of(record).items if row.id in now}
+    """Return a record with the names that its rows have on another sheet: they are known by their ids. What was marked
+    in a row whose name another row has now gets the id to its name, so it counts nowhere."""
+    now, names = {_known_by(row): row.key for row in form.items}, {row.key: _known_by(row) for row in form.items}
+    before = {_known_by(row): row for row in form_of(record).items}
+    keys = {row.key: now[each] for each, row in before.items() if each in now}
+    keys.update({row.key: (row.group, f"{row.desc} ({row.id})") for each, row in before.items()
+                 if each not in now and row.key in names
+                 and (row.id not in ("", row.desc) or names[row.key] in before)})
 
     def named(each: Any) -> Any:
         group, desc = keys.get((each.group, each.desc), (each.group, each.desc))
@@ -236,6 +241,12 @@ def _renamed(record: RunRecord, form: SheetForm) -> RunRecord:
            for sheet in judging.sheets)
     return record._replace(history=tuple(map(named, record.history)), judging=judging._replace(
         sheets=tuple(own), settlements=tuple(map(named, judging.settlements))))
+
+
+def _known_by(row: ScoringItem) -> Tuple[bool, str]:
+    """Return what a row is known by, whatever it is called: an incident and an item may have one name."""
+    is_incident = row.group == INCIDENTS
+    return is_incident, (row.id or row.desc) if is_incident else id_of(row)
 
 
 class FinishedRun:

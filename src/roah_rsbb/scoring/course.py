@@ -54,7 +54,8 @@ def course_of(
         if entry.withdrawn_utc or row is None or entry.judge:
             continue
         if row.group == INCIDENTS:
-            _happened(incidents.setdefault(row.desc, []), entry, Happened(row.desc, at_s, order=order))
+            name = row.id or row.desc
+            _happened(incidents.setdefault(name, []), entry, Happened(name, at_s, order=order))
             continue
         item_id = id_of(row)
         before = standing.get(item_id, Fraction(0))

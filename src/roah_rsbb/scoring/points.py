@@ -6,7 +6,7 @@ from typing import List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.model.records import GroupPoints, ItemRecord, SheetPoints
 from roah_rsbb.model.rules import JuryResult, Measure, Sheet
-from roah_rsbb.model.scoring import MAX_DECIMALS, MAX_VALUE, ScoringItem, SheetForm
+from roah_rsbb.model.scoring import MAX_DECIMALS, MAX_VALUE, NO_SECTION, ScoringItem, SheetForm
 from roah_rsbb.scoring.earlier import id_of, sheet_of
 from roah_rsbb.scoring.tree import Course, Worth, count
 
@@ -79,18 +79,20 @@ def counted(form: SheetForm, items: Sequence[ItemRecord], course: Course) -> Cou
 
 
 def _groups(sheet: Sheet, worth: Worth) -> List[GroupPoints]:
-    """Return the points of the sections that have items with points, and of the time left."""
+    """Return the points of the sections that have items with points, of the items in no section, and of the time left.
+    """
     scored = _scored(sheet)
-    return [GroupPoints(item.name, exact_text(worth.points.get(item.id, Fraction(0)))) for item in sheet.items
-            if item.id in scored or item.amount is Measure.CLOCK]
+    found = [GroupPoints(item.name, exact_text(worth.points.get(item.id, Fraction(0)))) for item in sheet.items
+             if item.id in scored or item.amount is Measure.CLOCK]
+    alone = [worth.points.get(item.id, Fraction(0)) for item in sheet.items
+             if not item.under and not item.for_team and item.has_points]
+    return [*found, GroupPoints(NO_SECTION, exact_text(sum(alone, Fraction(0))))] if alone else found
 
 
 def _scored(sheet: Sheet) -> Set[str]:
     """Return the ids of the sections that have items with points."""
     sections = {item.id for item in sheet.items if item.amount is Measure.SECTION}
-    return {item.under for item in sheet.items if item.under in sections and item.amount is not Measure.SECTION
-            and item.amount is not Measure.CLOCK
-            and (item.points is not None or any(choice.points is not None for choice in item.choices))}
+    return {item.under for item in sheet.items if item.under in sections and item.has_points}
 
 
 def _inner(sheet: Sheet) -> Tuple[str, ...]:
@@ -98,7 +100,7 @@ def _inner(sheet: Sheet) -> Tuple[str, ...]:
     scored, found = _scored(sheet), []
     within: Set[str] = set()  # ids of what is in such a group
     for item in sheet.items:  # each comes after the one under which it hangs
-        if item.under in scored or item.under in within:
+        if item.under in scored or item.under in within or (not item.under and item.has_points):
             within.add(item.id)
             if item.id in scored or item.amount is Measure.CLOCK:
                 found.append(item.name)

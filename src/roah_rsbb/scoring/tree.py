@@ -254,7 +254,7 @@ class _Run:
         """Apply what follows from an incident, or say why nothing does."""
         at_s = happened.at_s
         if happened.since is not None:
-            self._steps.append(BY_ITSELF(incident=rule.name, time=_clock(self._counted(at_s) or ZERO)))
+            self._steps.append(BY_ITSELF(incident=rule.title, time=_clock(self._counted(at_s) or ZERO)))
         if rule.marks:
             self.decided.setdefault(rule.marks, (0, ""))
         why = self._why_not(rule, happened)
@@ -266,7 +266,7 @@ class _Run:
         for index, mark in enumerate(self._marks if rule.voids is not Voids.NOTHING else ()):
             if index not in self._void and self._is_hit(rule, mark, happened, until or happened):
                 time = _at(self._counted(mark.at_s))
-                self._drop(index, VOID(item=self._name(mark), time=time, incident=rule.name))
+                self._drop(index, VOID(item=self._name(mark), time=time, incident=rule.title))
         if rule.marks and not rule.scored_after:
             words = {str(fact) for fact in happened.facts.values()}
             choices = (choice.name for choice in self._items[rule.marks].choices)
@@ -282,16 +282,16 @@ class _Run:
         """Return why an incident has no effect; empty: it has."""
         at_s, held = self._counted(happened.at_s), len(self._held.get(rule.name, ()))
         if rule.times is not None and held >= rule.times:
-            return TOO_OFTEN(incident=rule.name, time=_at(at_s), number=held + 1, times=rule.times)
+            return TOO_OFTEN(incident=rule.title, time=_at(at_s), number=held + 1, times=rule.times)
         facts = {**self._facts, **happened.facts}
         lacking = [LACKING(fact=self.names.get(fact.item, fact.item)) for fact in rule.when if not _holds(fact, facts)]
         barring = [self.names.get(fact.item, fact.item) for fact in rule.unless if _holds(fact, facts)]
         for why in (*lacking, *barring):
-            return NO_EFFECT(incident=rule.name, time=_at(at_s), why=why)
+            return NO_EFFECT(incident=rule.title, time=_at(at_s), why=why)
         if rule.below is not None:
             points = self._so_far(happened, rule.net)
             if points >= Fraction(rule.below):
-                return TOO_LATE(incident=rule.name, time=_at(at_s), points=number_text(points),
+                return TOO_LATE(incident=rule.title, time=_at(at_s), points=number_text(points),
                                 below=number_text(Fraction(rule.below)))
         return ""
 
@@ -586,7 +586,10 @@ class _Tree:
             return ZERO if chosen is None or self._barred(item) else Fraction(chosen.points or 0)
         if item.amount is Measure.CLOCK:
             return self._clock_points(item)
-        points = Fraction(item.points or 0) * times.total()
+        return self._round(item, Fraction(item.points or 0) * times.total())
+
+    @staticmethod
+    def _round(item: Item, points: Fraction) -> Fraction:
         return points if item.decimals is None else _rounded(points, item.decimals)
 
     def _clock_points(self, item: Item) -> Fraction:
@@ -606,7 +609,7 @@ class _Tree:
         """Return the points of an item that is a percentage of what the items before it left."""
         times = self._counting(item)
         self._say_what_is_missing(item, times)
-        self.points[item.id] = self.own[item.id] = self._percentage(item, times, base)
+        self.points[item.id] = self.own[item.id] = self._round(item, self._percentage(item, times, base))
         return self.points[item.id]
 
     def _percentage(self, item: Item, times: _Times, base: Fraction) -> Fraction:
@@ -625,16 +628,16 @@ class _Tree:
         modifiers = self._by_time(item, len(singles))
         points = ZERO
         for share, modifying in zip(singles, modifiers):
-            terms = [Fraction(item.points or 0) * (ONE if item.share_of_all else share)]
+            terms = [self._round(item, Fraction(item.points or 0) * (ONE if item.share_of_all else share))]
             self._add_own(item, terms[0])
             for child in self._under.get(item.id, ()):
                 worth = _Times(tuple((ONE, each) for each in modifying.get(child.id, ())))
                 if worth.shares:
-                    terms.append(Fraction(child.points or 0) * worth.total() if child.percent is None
-                                 else self._percentage(child, worth, sum(terms, ZERO)))
+                    terms.append(self._round(child, Fraction(child.points or 0) * worth.total() if child.percent is None
+                                             else self._percentage(child, worth, sum(terms, ZERO))))
                     self._add_own(child, terms[-1])
             if item.share_of_all:
-                terms.append(sum(terms, ZERO) * (share - 1))
+                terms.append(self._round(item, sum(terms, ZERO) * share) - sum(terms, ZERO))
                 self._add_own(item, terms[-1])
             points += self._limited(item, terms)
         return points

@@ -130,6 +130,7 @@ def _result(result: PublicResult) -> Data:
         "points": None if result.points is None else {
             "total": result.points.total,
             "groups": [{"name": group.name, "points": group.points} for group in result.points.groups],
+            "for_team": result.points.for_team or "0",
         },
     }
 

@@ -91,7 +91,7 @@ def test_referees_mark_its_items_and_incidents():
     assert form.sheet == _read(TEXT)
     assert [(row.group, row.id) for row in form.items[:2]] == [
         ("Main goal", "0"), ("Main goal", "With a custom operator")]
-    assert [row.desc for row in form.items if row.group == INCIDENTS][:2] == ["restart", "restarted"]
+    assert [row.desc for row in form.items if row.group == INCIDENTS][:2] == ["Restart", "Restarted"]
 
 
 def test_incidents():

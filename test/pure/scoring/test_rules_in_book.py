@@ -11,7 +11,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import By, JudgeSheet, JudgingRecord, RunRecord, Settlement, SignOff
 from roah_rsbb.model.rules import Incident, Item, ItemChoice, Measure, Sheet, Voids
-from roah_rsbb.model.scoring import INCIDENTS, SheetForm, rows
+from roah_rsbb.model.scoring import INCIDENTS, NO_SECTION, SheetForm, rows
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.scoring.book import BookState, FinishedRun, RunBook, rescored
 from roah_rsbb.scoring.sheet import Mark, SheetState
@@ -49,7 +49,7 @@ class Book:
         return self
 
     def incident(self, clock_s, name):
-        return self.at(clock_s, name, group=INCIDENTS, added="1")
+        return self.at(clock_s, name.capitalize(), group=INCIDENTS, added="1")
 
     def end(self, clock_s, reason="timeout"):
         self.ended = reason
@@ -76,7 +76,7 @@ def test_a_restart_voids_what_was_before_and_can_be_withdrawn():
     book = Book().at(30, "Finds an object", added="3").incident(40, "restart").at(60, "Finds an object", added="2")
     assert (book.total(), book.value("Finds an object")) == ("20", 2)
     (void,) = [entry for entry in book.book.sheet.history if entry.void]
-    assert (void.number, str(void.void)) == (1, "Finds an object (0:30.0): void because of: restart")
+    assert (void.number, str(void.void)) == (1, "Finds an object (0:30.0): void because of: Restart")
     book.withdraw(2)
     assert (book.total(), book.value("Finds an object")) == ("50", 5)
     assert not any(entry.void for entry in book.book.sheet.history)
@@ -85,7 +85,7 @@ def test_a_restart_voids_what_was_before_and_can_be_withdrawn():
 def test_a_restart_that_comes_too_late_has_no_effect():
     book = Book().at(30, "Finds an object", added="4").incident(40, "restart")
     assert book.total() == "40"
-    assert "restart (0:40.0): 40 points, allowed below 40: it has no effect" in book.steps()
+    assert "Restart (0:40.0): 40 points, allowed below 40: it has no effect" in book.steps()
 
 
 @pytest.mark.parametrize("clock_s, entries, total", [(89.9, 1, "20"), (90.3, 2, "10")])
@@ -242,7 +242,7 @@ def test_referees_mark_no_pauses_and_nothing_that_a_choice_says():
     kinds = Item("how", "How they came", amount=Measure.CHOICE)
     incidents = (Incident("pause", pauses=True, ends=("resume",)), Incident("resume"), Incident("came", marks="how"),
                  Incident("restart"))
-    assert [row.desc for row in rows(Sheet((kinds,), incidents)) if row.group == INCIDENTS] == ["restart"]
+    assert [row.desc for row in rows(Sheet((kinds,), incidents)) if row.group == INCIDENTS] == ["Restart"]
 
 
 def test_an_item_in_no_section_can_be_marked():
@@ -254,9 +254,9 @@ def test_an_item_in_no_section_can_be_marked():
 
 def test_an_incident_does_not_happen_without_end():
     """A slip of a finger must not fill the memory of the core."""
-    with pytest.raises(Refused, match="'restart' is a count: its value must be from 0 to 100, not 2147483647"):
-        Book().at(40, "restart", 2147483647, group=INCIDENTS)
-    book = Book().at(30, "Finds an object", added="3").at(40, "restart", 100, group=INCIDENTS)
+    with pytest.raises(Refused, match="'Restart' is a count: its value must be from 0 to 100, not 2147483647"):
+        Book().at(40, "Restart", 2147483647, group=INCIDENTS)
+    book = Book().at(30, "Finds an object", added="3").at(40, "Restart", 100, group=INCIDENTS)
     assert book.total() == "0"
     earlier = [entry._replace(value=2147483647) if entry.group == INCIDENTS else entry
                for entry in book.book.sheet.history]
@@ -282,6 +282,13 @@ def test_marks_follow_their_rows_to_other_names():
         (*places[0], 5), (*places[1], 1)]
     assert [(entry.group, entry.desc) for entry in found.judging.sheets[0].history] == places
     assert [(each.group, each.desc) for each in found.judging.settlements] == places[1:]
+    # The row of the finds is removed, and the drops have its name.
+    less = tuple(replace(item, name={"drops": "Finds an object"}.get(item.id, item.name))
+                 for item in SHEET.items if item.id != "finds")
+    benchmark = replace(benchmark, scoring=rows(replace(SHEET, items=less)), sheet=replace(SHEET, items=less))
+    (scored,) = rescored([record], {record.benchmark: benchmark})
+    assert [(item.desc, item.value) for item in scored.after.items if item.value] == [("Finds an object", 1)]
+    assert [entry.desc for entry in scored.after.history] == ["Finds an object (finds)", "Finds an object"]
 
 
 def test_points_for_the_team_are_in_the_record_beside_the_total():
@@ -296,6 +303,10 @@ def test_points_name_the_groups_that_are_part_of_another_one():
     points = Book(sheet).at(1.0, "Finds an object", added="1").book.counted("").points
     assert [(group.name, group.points) for group in points.groups] == [("Test", "10"), (TABLE, "10"), (SPECIAL, "0")]
     assert points.inner == (TABLE,)
+    alone = Sheet((*SHEET.items, Item("half", "Half", percent=Decimal(-50))))
+    points = Book(alone).at(1.0, "Finds an object", added="2").at(2.0, "Half", 1, NO_SECTION).book.counted("").points
+    assert [tuple(group) for group in points.groups] == [(TABLE, "20"), (SPECIAL, "0"), (NO_SECTION, "-10")]
+    assert (points.total, points.inner) == ("10", ())
     assert Book().book.counted("").points.inner == ()  # nobody lists the test, which has no items of its own
 
 

@@ -213,17 +213,17 @@ def test_a_time_that_is_not_over_yet_has_no_consequence(ended, at, said):
 
 
 @pytest.mark.parametrize("happened, step", [
-    ([("inactive", 60)], "removed at 1:30.0, by itself"),
+    ([("inactive", 60)], "Removed at 1:30.0, by itself"),
     ([("removed", 60)], None),
-    ([("restart", 10), ("restart", 20)], "restart (0:20.0): time 2, 1 allowed: it has no effect"),
-    ([("restart", 91)], "restart (1:31.0): 10 points, allowed below 10: it has no effect"),
+    ([("restart", 10), ("restart", 20)], "Restart (0:20.0): time 2, 1 allowed: it has no effect"),
+    ([("restart", 91)], "Restart (1:31.0): 10 points, allowed below 10: it has no effect"),
 ])
 def test_steps_of_incidents(happened, step):
     restart = Incident("restart", times=1, below=Decimal(10), voids=Voids.EARLIER)
     found = worth([row("done", 10)], mark("done", at=90), incidents=[REMOVED, restart],
                   happened=[Happened(name, Fraction(at_s)) for name, at_s in happened], ended=True)
     assert [text for text in found.steps if not text.startswith("Total")] == ([step] if step else [
-        "done (1:30.0): void because of: removed"])
+        "done (1:30.0): void because of: Removed"])
 
 
 @pytest.mark.parametrize("marks, step", [
