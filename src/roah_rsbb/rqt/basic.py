@@ -45,14 +45,18 @@ class Tone(NamedTuple):
         return f"background: {self.background}; color: {self.text};"
 
 
-RUNNING = Tone("#12702b", "#ffffff")
-READY = Tone("#14508c", "#ffffff")
-ENDED = Tone("#5b3a86", "#ffffff")
-IDLE = Tone("#565b61", "#ffffff")
-OLD = Tone("#ffb300", "#000000")
-STOP = Tone("#b3001b", "#ffffff")  # of STOP and of nothing else
-ALARM = Tone("#ffe100", "#000000")
+# As in tokens.css of the pages: a test compares them.
+# By `sheets.look` of a phase.
+PHASES = {look: Tone(band, "#ffffff") for look, band in (
+    ("waiting", "#515c68"), ("ready", "#0a6475"), ("executing", "#1b4fc4"), ("stopped", "#2b3138"),
+    ("completed", "#3d587c"), ("timeout", "#76502c"))}
+IDLE, DONE = PHASES["waiting"], PHASES["completed"]
+YES = Tone("#0c6838", "#ffffff")  # --achievement
+OLD = Tone("#ffefcc", "#734600")  # --warning-wash, --warning
+STOP = Tone("#c2001b", "#ffffff")  # of STOP and of nothing else
+ALARM = Tone("#734600", "#ffefcc")
 OFF = Tone("transparent", "palette(text)")
+ON = Tone("palette(text)", "palette(base)")  # what is on, and the next action: ink, as --action
 # Text of a disabled button, legible on light and dark desktops.
 FADED = "#8c8c8c"
 

@@ -331,7 +331,7 @@ class StopStrip(QWidget):
         if self.failed is not None and now < self.failed[1]:
             return tr(FAILED, part=self.failed[0]), basic.ALARM
         if is_done:
-            return text_of(sent[0])[0], basic.RUNNING
+            return text_of(sent[0])[0], basic.DONE
         if self._model.is_replay:
             return tr(REPLAY_NO_COMMANDS), basic.OFF
         if self._model.document is not None and self._model.is_old:

@@ -242,7 +242,7 @@ def tone_of(one: SentStop) -> basic.Tone:
     """Return the colour in which a STOP is shown."""
     if one.refused or one.way in ways.LOST:
         return basic.ALARM
-    return basic.RUNNING if one.way in ways.DONE else basic.OFF
+    return basic.DONE if one.way in ways.DONE else basic.OFF
 
 
 def _show(label: basic.FilledLabel, text: str, tone: basic.Tone) -> None:

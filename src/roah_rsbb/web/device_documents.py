@@ -57,6 +57,7 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
         "identity": zone.identity,
         "phase": zone.phase,
         "phase_text": sheets.marked_phase(zone.phase, zone.end_reason),
+        "look": sheets.look(zone.phase, zone.end_reason),
         "title": f"{event.code}  {event.desc}",
         "team": event.team,
         "event_id": event.id,

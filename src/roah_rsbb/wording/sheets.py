@@ -34,6 +34,8 @@ PHASES = {
     "ended": tr_later("ENDED"),
 }
 MARKS = {"idle": "○", "connected": "●", "running": "▶", "ended": "■"}
+_LOOKS = {"idle": "waiting", "connected": "ready", "running": "executing"}
+_LOOKS_OF_ENDS = {"completed": "completed", "goals_timed_out": "timeout", "timeout": "timeout"}
 END_REASONS = {
     "stopped": tr_later("stopped"),
     "completed": tr_later("completed"),
@@ -84,6 +86,12 @@ def phase(name: str, end: str = "") -> str:
 def marked_phase(name: str, end: str = "") -> str:
     """Return the phase of a zone with its mark."""
     return f"{MARKS.get(name, '–')} {phase(name, end)}"
+
+
+def look(name: str, end: str = "") -> str:
+    """Return the look of a phase on all faces: of tokens.css it has the colours ``--state-LOOK``, of icons.svg the icon
+    ``i-LOOK``."""
+    return _LOOKS.get(name) or _LOOKS_OF_ENDS.get(end, "stopped")
 
 
 def outage_text(outage: Outage) -> str:

@@ -792,7 +792,7 @@ class TestOthers(StripCase):
         self.core.answer_gate.set()
         wait_until(lambda: ways() == {"Home A": "has stopped", "Home B": "NO ANSWER"}, lambda: f"each way: {ways()}")
         self.assertIn("STOP Home B: NO ANSWER FROM THE ROBOT", small.heading.whole)
-        self.assertIn(stop_strip.basic.RUNNING.background, small.ways["Home A"].styleSheet())
+        self.assertIn(stop_strip.basic.DONE.background, small.ways["Home A"].styleSheet())
         self.assertIn(stop_strip.basic.ALARM.background, small.ways["Home B"].styleSheet())
         self.assertEqual(places(small), before)
         limit(self, stop_window, "GOES_MS", 0)

@@ -220,7 +220,7 @@ class RuleButtons(QWidget):
         is_visible = False
         for name, button in self.buttons.items():
             reasons = why_off(zone, name, silent)
-            button.allow(not reasons, reasons, basic.READY if name in HIGHLIGHTED else None)
+            button.allow(not reasons, reasons, basic.ON if name in HIGHLIGHTED else None)
             button.setVisible(zone is not None and zone.action(name).shown)
             is_visible = is_visible or not button.isHidden()
         self.setVisible(is_visible)

@@ -219,9 +219,9 @@ NO_ZONE = tr_later("This zone is not in the schedule. Choose a zone above.")
 
 # The usual next command of each phase is highlighted while it is possible, and nothing must be done before.
 NEXT_STEP = {
-    (IDLE, "connect"): basic.READY,
-    (CONNECTED, "start"): basic.RUNNING,
-    (ENDED, "disconnect"): basic.READY,
+    (IDLE, "connect"): basic.ON,
+    (CONNECTED, "start"): basic.ON,
+    (ENDED, "disconnect"): basic.ON,
 }
 
 

@@ -79,7 +79,7 @@ class TwoStateRow(DeviceRow):
             self.add_command(text, value)
 
     def show_value(self, value: int, waiting: bool, off: Sequence[str]) -> None:
-        tone = basic.OFF if off else basic.RUNNING if value else basic.IDLE
+        tone = basic.OFF if off else basic.ON if value else basic.IDLE
         state = whole_box.device_states(self.device)[bool(value)]
         self.state.show_text(f"{state}{UNCONFIRMED if waiting else ''}", tone)
         self.state.setEnabled(not off)
@@ -231,7 +231,7 @@ class DevicesPanel(Panel):
         else:
             is_connected = status is not None and status.connected
             text, reason = whole_box.controller_text(is_connected, "" if status is None else status.text)
-            text, tone = (text, basic.RUNNING) if is_connected else (f"⚠ {text}", basic.OLD)
+            text, tone = (text, basic.DONE) if is_connected else (f"⚠ {text}", basic.OLD)
             self.connection.show_text(text, tone)
             self.reason.setText(reason)
 

@@ -92,7 +92,7 @@ class ManualOperationPanel(Panel):
         can_answer = not why_off
         self.form.setEnabled(can_answer)
         for number, button in enumerate(self.buttons):
-            button.allow(can_answer, [why_off], basic.READY if number == 0 else None)
+            button.allow(can_answer, [why_off], basic.ON if number == 0 else None)
 
     def _show_another(self, request: Optional[OperationKey]) -> None:
         """Show another request, or none."""
@@ -235,11 +235,11 @@ class OmfSwitchesPanel(Panel):
         on, damaged, to_confirm = switches or Switches((), 0, False)
         for number, button in enumerate(self.switches, 1):
             button.setText(f"{number}\n{tr('ON') if number in on else tr('off')}")
-            button.allow(can, off, basic.RUNNING if number in on else None)
+            button.allow(can, off, basic.ON if number in on else None)
         self.damaged.setText(str(damaged))
         self.less.allow(can and damaged > 0, off if not can else [tr("No switch is damaged")])
         self.more.allow(can and damaged < MAX_DAMAGED, off)
-        self.complete.allow(can and to_confirm, off if not can else [tr(EXECUTING)], basic.READY)
+        self.complete.allow(can and to_confirm, off if not can else [tr(EXECUTING)], basic.ON)
 
     def _entered(self) -> Optional[Switches]:
         """What was entered; None: there are no switches."""

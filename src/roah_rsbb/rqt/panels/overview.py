@@ -33,7 +33,7 @@ WIDE_EMS = 20.0
 LINES = {
     Urgency.DO: (tr_later("☛ DO NOW: "), basic.ALARM),
     Urgency.LOOK: ("⚠ ", basic.OLD),
-    Urgency.POSSIBLE: ("→ ", basic.READY),
+    Urgency.POSSIBLE: ("→ ", basic.ON),
     Urgency.NONE: ("", basic.OFF),
 }
 CHOSEN = "◆ "
@@ -253,7 +253,7 @@ class OverviewPanel(CollapsingPanel):
             self.head.show_text(tr(NOT_HEARD), basic.IDLE)
             return
         text = tr("▶ RUNNING: {zones}", zones=", ".join(running)) if running else f"○ {tr(NONE_RUNS)}"
-        tone = basic.RUNNING if running else basic.IDLE
+        tone = basic.PHASES["executing"] if running else basic.IDLE
         if calling:
             text, tone = f"{tr(LINES[Urgency.DO][0])}{', '.join(calling)}   {text}", basic.ALARM
         old = self.model.is_old

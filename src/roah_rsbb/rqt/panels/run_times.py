@@ -2,7 +2,7 @@
 
 from typing import NamedTuple, Optional
 
-from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, RUNNING, ZoneSeen
+from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.rqt import basic
 from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, Qt, QVBoxLayout, QWidget
 from roah_rsbb.wording import sheets
@@ -17,14 +17,12 @@ class PhaseLook(NamedTuple):
     tone: basic.Tone
 
 
-_PHASES = {IDLE: basic.IDLE, CONNECTED: basic.READY, RUNNING: basic.RUNNING, ENDED: basic.ENDED}
-
-
 def phase_look(zone: ZoneSeen, clock: Optional[Clock] = None) -> PhaseLook:
     """Return the phase of a zone, with the reason if the run has ended or its `clock` is paused."""
-    if clock is not None and clock.pause and zone.phase in _PHASES:
+    if clock is not None and clock.pause and zone.phase in sheets.PHASES:
         return PhaseLook(f"‖ {clock.pause}", basic.OLD)
-    return PhaseLook(sheets.marked_phase(zone.phase, zone.end_reason), _PHASES.get(zone.phase, basic.IDLE))
+    return PhaseLook(sheets.marked_phase(zone.phase, zone.end_reason),
+                     basic.PHASES[sheets.look(zone.phase, zone.end_reason)])
 
 
 # How the last seconds look. Those of the last 10 s have marks, words and a frame: they stand out without colour.

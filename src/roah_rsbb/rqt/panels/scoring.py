@@ -204,7 +204,7 @@ class BoolRow(ItemRow):
         self.toggle.setChecked(value == 1)
         self.toggle.setText(f"{tr(_BOOL_TEXTS.get(value, _YES))}{' …' if waiting else ''}")
         self.toggle.setAccessibleName(f"{self.text.text()}: {self.toggle.text()}")
-        basic.set_style(self.toggle, f"QPushButton {{ {basic.RUNNING.css} }}" if value == 1 and not why_off else "")
+        basic.set_style(self.toggle, f"QPushButton {{ {basic.YES.css} }}" if value == 1 and not why_off else "")
 
 
 class CountRow(ItemRow):

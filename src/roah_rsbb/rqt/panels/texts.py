@@ -30,9 +30,9 @@ from roah_rsbb.wording.language import tr, tr_later
 
 # Highlighting more matches would make the text slow.
 MOST = 1000
-FOUND = basic.Tone("#ffe08a", "#000000")
+FOUND = basic.OLD
 # The current match; it is also underlined, and its number is shown in the count.
-HERE = basic.Tone("#14508c", "#ffffff")
+HERE = basic.PHASES["executing"]
 
 
 class TextSearch(QWidget):
