@@ -94,3 +94,23 @@ def test_an_included_rulebook(capsys, name, found):
         rules.main(["check", name])
     out = capsys.readouterr().out
     assert (end.value.code, out.startswith(found), out.endswith(": nothing found\n")) == (0, True, True), out
+
+
+def test_the_words_of_a_league(run, tmp_path):
+    sheets = tmp_path / "RuleBook" / "scoresheets"
+    sheets.mkdir(parents=True)
+    (sheets / "Fetch.tex").write_text(
+        "\\begin{scorelist}\n\\scoreitem[2]{50}{Grasps}\n\\scoreitem{5}{Waves}\n\\end{scorelist}\n")
+    own = BENCHMARKS.replace("item: Takes the cup, points", "item: Takes the cup, id: 0, points").replace(
+        "{ item: Takes the cup, least", "{ item: 0, least")
+    status, out, _ = run("import", "athome", str(tmp_path / "RuleBook"), benchmarks=own)
+    assert status == 0 and out.splitlines()[2:] == [
+        f"{tmp_path}/benchmarks.yaml: 1 row in the words of the league; before: {tmp_path}/benchmarks.yaml~",
+        "  Fetch, row 0, 'Grasps': 50 points; printed: 50 points × 2", "  Fetch, row 1, 'Waves': missing"]
+    assert (tmp_path / "benchmarks.yaml").read_text("utf-8") == own.replace("item: Takes the cup", 'item: "Grasps"')
+    assert (tmp_path / "benchmarks.yaml~").read_text("utf-8") == own
+    assert run("diff", str(tmp_path / "RuleBook"))[1] == (
+        "Fetch: removed: 'Waves' (5 points)\nFetch: 'Grasps': 50 points × 2, now 50 points\n"
+        "Fetch: added: 'Says hello' (10 points)\n")
+    status, _, err = run("import", "athome", str(tmp_path))
+    assert status == 1 and "no folder 'scoresheets'" in err
