@@ -47,21 +47,6 @@
     <name>roah_rsbb</name>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Referee</source>
-        <translation>Schiedsrichter</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Judge</source>
-        <translation>Jurymitglied</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Organiser</source>
-        <translation>Veranstalter</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>the box serves no web pages: start it with web:=true</source>
         <translation>die Box stellt keine Webseiten bereit: starten Sie sie mit web:=true</translation>
     </message>
@@ -1868,6 +1853,21 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Referee</source>
+        <translation>Schiedsrichter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Judge</source>
+        <translation>Jurymitglied</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Organiser</source>
+        <translation>Veranstalter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>yes</source>
         <translation>ja</translation>
     </message>
@@ -2058,6 +2058,71 @@
         <location filename="../../src/roah_rsbb/wording/texts.py"/>
         <source>: there is {choices}</source>
         <translation>: Es gibt {choices}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Connected</source>
+        <translation>Verbunden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Started</source>
+        <translation>Gestartet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Started again</source>
+        <translation>Wieder gestartet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Continued</source>
+        <translation>Fortgesetzt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Clock paused</source>
+        <translation>Uhr angehalten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Clock resumed</source>
+        <translation>Uhr läuft weiter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Goal</source>
+        <translation>Ziel</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Disconnected</source>
+        <translation>Getrennt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Signed off</source>
+        <translation>Abgeschlossen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>A moment to remember: no text yet</source>
+        <translation>Gemerkter Moment: noch ohne Text</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Phase: {name}</source>
+        <translation>Phase: {name}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Goal: {text}</source>
+        <translation>Ziel: {text}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>text by {name} at {time}</source>
+        <translation>Text von {name} um {time}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/times.py"/>
@@ -4428,6 +4493,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Role</source>
+        <translation>Rolle</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Connect</source>
         <translation>Verbinden</translation>
     </message>
@@ -4668,6 +4738,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Note this moment</source>
+        <translation>Moment merken</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>With the clock of the run. Its text can be entered later: name the note by its number or its id</source>
+        <translation>Mit der Uhr des Laufs. Der Text kann später eingegeben werden: Notiz mit ihrer Nummer oder Id nennen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Record why it ended</source>
         <translation>Festhalten, warum er endete</translation>
     </message>
@@ -4863,13 +4943,13 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
-        <source>Role</source>
-        <translation>Rolle</translation>
+        <source>No, it was late</source>
+        <translation>Nein, es war zu spät</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
-        <source>No, it was late</source>
-        <translation>Nein, es war zu spät</translation>
+        <source>Id of the note</source>
+        <translation>Id der Notiz</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
@@ -5013,6 +5093,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>the run has no note {number}</source>
+        <translation>Der Lauf hat keine Notiz {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
         <source>{count} judges score this benchmark, each on a sheet of their own: enter the score as a judge, or settle the item with a reason as the head referee</source>
         <translation>{count} Juroren werten diesen Benchmark, jeder auf einem eigenen Bogen: Werten Sie als Juror, oder entscheiden Sie den Punkt als Hauptschiedsrichter mit Begründung</translation>
     </message>
@@ -5025,6 +5110,11 @@
         <location filename="../../src/roah_rsbb/scoring/book.py"/>
         <source>&apos;{run}&apos; is not one of the newest {most} runs that are over: the program &apos;results&apos; shows it</source>
         <translation>„{run}“ ist keiner der neuesten {most} Läufe, die vorbei sind: Das Programm &apos;results&apos; zeigt ihn</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>the run has {most} notes, which is the most</source>
+        <translation>Der Lauf hat {most} Notizen: mehr sind nicht möglich</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/judges.py"/>

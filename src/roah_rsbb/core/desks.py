@@ -22,7 +22,7 @@ from roah_rsbb.model.reason import MAX_NOTE, Refused, RunName, checked_note, che
 from roah_rsbb.model.records import By, ItemRecord, JudgeSheet, Phase, RunRecord
 from roah_rsbb.model.scoring import SheetForm
 from roah_rsbb.rulebook.event_ids import key_of
-from roah_rsbb.scoring.book import FinishedRun, FinishedRuns, RunBook
+from roah_rsbb.scoring.book import FinishedRun, FinishedRuns, Note, RunBook
 from roah_rsbb.scoring.counting import Counted, Counting, EventResult, Ruling, Why
 from roah_rsbb.scoring.judges import ItemVerdict
 from roah_rsbb.scoring.sheet import Mark
@@ -228,6 +228,17 @@ class ScoreDesk:
         by = By(checked_who(who), checked_note(note))
         run = self.named(name)
         self.report_correction(run, run.take_back(now, by, mark_id))
+
+    def note(self, now: Now, name: RunName, note: Note, who: str = "") -> None:
+        """Note a moment of a run, or enter the text of a note. Raises `Refused`. A note with an identity names its run,
+        and is made once, as a mark."""
+        if note.id:
+            if not name.identity:
+                raise Refused([NAME_THE_RUN])
+            check_mark_id(note.id)
+        note = note._replace(text=checked_note(note.text), device=checked_who(note.device))
+        run = self.named(name)
+        self.report_correction(run, run.note(now, checked_who(who), note))
 
     def give_stop_reason(self, now: Now, name: RunName, reason: str, who: str = "", number: int = 0) -> None:
         """Set why a run was stopped, until it is signed off; see `RunBook.give_reason`. Raises `Refused`."""

@@ -62,7 +62,7 @@ _TEAM = say("Team")
 _JUDGE, _NOTE, _REASON, _TEXT = say("Judge"), say("Note"), say("Reason"), say("Text")
 # An event that is signed off has its result: whoever begins there again says so.
 AGAIN = Confirmed("again", say("Another attempt at an event that is signed off"), required=False)
-_NUMBER, _DEVICE, _ID = say("Number"), say("Device"), say("Id of the mark")
+_NUMBER, _DEVICE, _ID, _ROLE = say("Number"), say("Device"), say("Id of the mark"), say("Role")
 # `uint8` on the ROS interface.
 MAX_DAMAGED = 255
 # A time for objections that is left to the benchmarks file.
@@ -131,7 +131,7 @@ _MARK = (*_VALUE, TypedText("added", say("What to add"), required=False), Field(
          Field("device", _DEVICE, required=False))
 _ENTRIES = (
     Action("mark", say("Mark an item"), say("Set an item of the score sheet, or add to it"),
-           (*_MARK, Field("role", say("Role"), required=False)), durable=True, roles=(*REFEREES, *JUDGES)),
+           (*_MARK, Field("role", _ROLE, required=False)), durable=True, roles=(*REFEREES, *JUDGES)),
     Action("judge_mark", say("Mark an item of a judge"), say("On the judge's own sheet"), _MARK, durable=True,
            roles=JUDGES),
     Action("withdraw", say("Withdraw the entry"), say("The entry of the score sheet no longer counts; others stay"),
@@ -141,6 +141,11 @@ _ENTRIES = (
            (Number("entry", _NUMBER, low=1), Toggle("late", say("No, it was late"), required=False)), durable=True),
     Action("take_back", say("Take back the mark"), say("A mark that set an item no longer counts"),
            (Field("id", _ID), TypedText("note", _NOTE, required=False)), durable=True),
+    Action("note", say("Note this moment"),
+           say("With the clock of the run. Its text can be entered later: name the note by its number or its id"),
+           (TypedText("text", _TEXT, required=False), Number("number", _NUMBER, required=False),
+            Field("id", say("Id of the note"), required=False), Field("device", _DEVICE, required=False),
+            Field("role", _ROLE, required=False)), durable=True),
     Action("stop_reason", say("Record why it ended"), say("Possible until the run is signed off"),
            (TypedText("reason", _REASON, required=False), Number("stop", _NUMBER, required=False)), durable=True),
     Action("sign_off", say("Sign off"), say("The score sheet of a run that is over becomes final"), durable=True),

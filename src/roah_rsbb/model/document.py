@@ -10,7 +10,7 @@ from typing import Dict, NamedTuple, Optional, Tuple
 from roah_rsbb.model.as_json import schema
 from roah_rsbb.model.reason import Said
 from roah_rsbb.model.records import ScoreValue, SheetPoints
-from roah_rsbb.model.results import EventSeen, Judging, RunLine, UnsavedParts
+from roah_rsbb.model.results import EventSeen, Judging, RunLine, RunTimeline, UnsavedParts
 from roah_rsbb.model.zone import NOTHING, RUNNING, Count, ZoneSeen
 
 
@@ -181,6 +181,7 @@ class Document(NamedTuple):
     public: Public = Public()
     public_runs: Dict[str, PublicRun] = {}  # by their zones
     public_results: Dict[str, PublicResult] = {}  # by the identities of the runs
+    timelines: Dict[str, RunTimeline] = {}  # of the runs in the zones, by their zones
 
     def events(self) -> Tuple[EventSeen, ...]:
         """Return the events of all zones by their scheduled times."""

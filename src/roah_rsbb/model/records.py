@@ -111,6 +111,35 @@ class ScoreEntry(NamedTuple):
     in_time: bool = False  # a referee said so of an entry that was made after the time limit
     in_time_by: str = ""  # ... who said so last, or that it was late; empty: nobody
     void: Said = ""  # why it does not count although nobody withdrew it; empty: it counts
+    points: str = ""  # a decimal number: by how much it changed the sheet's total when it was made; empty: by nothing
+
+
+class TimelineEntry(NamedTuple):
+    """Something that happened in a run, besides marks and ends: a start, a pause, a phase, a goal, a note."""
+
+    number: int  # 1, 2, … within the run
+    kind: str  # a name of a `Occurred`, in lower case
+    utc: float  # UTC seconds
+    clock_s: Optional[float] = None  # counted seconds of the run at that time; None: it was not started
+    who: str = ""  # empty: the box
+    text: str = ""  # a note's, or the name of the phase or the goal
+    role: str = ""  # of `who`, such as referee; empty: not known
+    device: str = ""  # from which it was sent; empty: not known
+    id: str = ""  # a note's identity, with which it is made once; empty: it has none
+    changed_utc: float = 0.0  # UTC seconds: when a note's text was entered, if that was later; 0.0: at once
+    changed_by: str = ""
+
+
+class Occurred(enum.Enum):
+    """What a `TimelineEntry` is about."""
+
+    START = enum.auto()  # also again, after a stop
+    CONTINUE = enum.auto()  # a referee knew that the run was not stopped
+    PAUSE = enum.auto()
+    RESUME = enum.auto()
+    PHASE = enum.auto()
+    GOAL = enum.auto()
+    NOTE = enum.auto()
 
 
 class GroupPoints(NamedTuple):
@@ -140,6 +169,7 @@ class StopRecord(NamedTuple):
     desc: str  # the text for the referee
     reason: str = ""  # typed by the referee, with the stop or later
     reason_by: str = ""  # who typed it
+    clock_s: Optional[float] = None  # counted seconds of the run; None: not known
 
 
 class Outage(NamedTuple):
@@ -291,6 +321,7 @@ class RunRecord(NamedTuple):
     event: str = ""  # id of its event in the schedule; empty in journals before 2026-12
     outages: Tuple[Outage, ...] = ()  # oldest first
     versions: Tuple[SheetVersion, ...] = ()  # earlier ones of its signed sheet, oldest first
+    timeline: Tuple[TimelineEntry, ...] = ()  # oldest first; marks and ends have lists of their own
 
 
 def submitted(record: RunRecord) -> Tuple[JudgeSheet, ...]:

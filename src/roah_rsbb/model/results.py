@@ -7,7 +7,7 @@ Times are UTC seconds since 1970; None: not yet, or never.
 from typing import NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.reason import Said
-from roah_rsbb.model.records import ScoreValue, SheetPoints
+from roah_rsbb.model.records import Outage, ScoreValue, SheetPoints, TimelineEntry
 from roah_rsbb.model.zone import SheetItem
 
 
@@ -59,6 +59,10 @@ class HistoryEntry(NamedTuple):
     in_time_by: str = ""  # ... who said so last, or that it was late; empty: nobody
     void: Said = ""  # why it does not count although nobody withdrew it; empty: it counts
     unit: str = ""  # of the values, such as %
+    points: str = ""  # a decimal number: by how much it changed the sheet's total when it was made; empty: by nothing
+    by: str = ""  # who made it, without role and device
+    role: str = ""
+    late: bool = False  # it does not count, because it came after the time limit
 
 
 class RunEnd(NamedTuple):
@@ -71,6 +75,21 @@ class RunEnd(NamedTuple):
     desc: str  # the text for the referee
     reason: str  # typed by the referee
     reason_by: str = ""
+    clock_s: Optional[float] = None  # counted seconds of the run; None: not known
+
+
+class RunTimeline(NamedTuple):
+    """What happened in a run, the oldest first in each list. `wording.timeline` makes one list of it."""
+
+    identity: str  # of the run
+    opened_utc_s: float
+    history: Tuple[HistoryEntry, ...] = ()
+    ends: Tuple[RunEnd, ...] = ()
+    entries: Tuple[TimelineEntry, ...] = ()
+    outages: Tuple[Outage, ...] = ()
+    closed_utc_s: Optional[float] = None
+    signed_utc_s: Optional[float] = None
+    signed_by: str = ""
 
 
 class RunSheet(NamedTuple):
@@ -84,6 +103,15 @@ class RunSheet(NamedTuple):
     ends: Tuple[RunEnd, ...]  # oldest first
     module_scores: Tuple[ScoreValue, ...] = ()
     points: Optional[SheetPoints] = None  # None: the sheet gives none
+    entries: Tuple[TimelineEntry, ...] = ()  # of its timeline, oldest first
+    outages: Tuple[Outage, ...] = ()  # oldest first
+
+    @property
+    def timeline(self) -> RunTimeline:
+        """What happened in the run."""
+        run = self.run
+        return RunTimeline(run.identity, run.opened_utc_s, self.history, self.ends, self.entries, self.outages,
+                           run.closed_utc_s, run.signed_utc_s, run.signed_by)
 
 
 class UnsavedParts(NamedTuple):

@@ -7,6 +7,7 @@ until it is signed off; each such change is a correction.
 
 import itertools
 from dataclasses import dataclass, field, replace
+from decimal import Decimal
 from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.clock import Now
@@ -17,6 +18,7 @@ from roah_rsbb.model.records import (
     EndReason,
     ItemRecord,
     JudgingRecord,
+    Occurred,
     Outage,
     PublicationRecord,
     RunRecord,
@@ -24,6 +26,7 @@ from roah_rsbb.model.records import (
     SheetVersion,
     SignOff,
     StopRecord,
+    TimelineEntry,
 )
 from roah_rsbb.model.scoring import INCIDENTS, ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.rulebook.benchmarks import Benchmark, EventRules
@@ -42,6 +45,10 @@ NO_RANKING = StandingRules()
 # The newest runs can be corrected and signed off. Of earlier ones, the box keeps only what decides what counts.
 MAX_KEPT = 400
 
+# Notes of a run, and other entries of its timeline.
+MAX_NOTES, MAX_HAPPENED = 100, 200
+NOTE = Occurred.NOTE.name.lower()
+
 _NOT_RUN = tuple(reason.name.lower() for reason in NOT_RUN)
 _NO_JUDGING, _NO_PUBLICATION = JudgingRecord(), PublicationRecord()
 _KINDS = {kind.word: kind for kind in ScoreKind}
@@ -58,6 +65,17 @@ class BookState:
     judging: JudgesState = field(default_factory=JudgesState)
     publication: PublicationState = field(default_factory=PublicationState)
     outages: List[Outage] = field(default_factory=list)
+    timeline: List[TimelineEntry] = field(default_factory=list)
+
+
+class Note(NamedTuple):
+    """A note of a moment."""
+
+    text: str = ""
+    number: int = 0  # of the note whose text is entered; 0: a new one, or that of `id`
+    id: str = ""  # identity of the note; empty: it has none
+    role: str = ""  # of who notes it
+    device: str = ""  # from which it was sent
 
 
 class Marked(NamedTuple):
@@ -93,7 +111,7 @@ class RunBook:
         self.state.elapsed_s = elapsed_s
         reason_by = by.who if by.reason else ""
         stops = self.state.stops
-        stops.append(StopRecord(now.utc, by.who, end_reason, desc, by.reason, reason_by))
+        stops.append(StopRecord(now.utc, by.who, end_reason, desc, by.reason, reason_by, round(elapsed_s, 3)))
         if len(stops) > MAX_STOPS:
             del stops[next((i for i, stop in enumerate(stops) if not stop.reason), 0)]
 
@@ -113,15 +131,69 @@ class RunBook:
         stops[index] = stop._replace(reason=by.reason, reason_by=by.who)
         return f"{stop.desc}: {by.reason or 'no reason'}"
 
+    # -- timeline -----------------------------------------------------------------------------------
+
+    def happened(self, now: Now, what: Occurred, clock_s: Optional[float], who: str = "", text: str = "") -> None:
+        """Note what happened, besides marks and ends. Of too many, the oldest that is no note is dropped."""
+        found = self.state.timeline
+        found.append(TimelineEntry(self._next_number(), what.name.lower(), now.utc, _rounded(clock_s), who, text))
+        if sum(entry.kind != NOTE for entry in found) > MAX_HAPPENED:
+            del found[next(place for place, entry in enumerate(found) if entry.kind != NOTE)]
+
+    def note(self, now: Now, who: str, note: Note, clock_s: Optional[float] = None) -> str:
+        """Note a moment, or enter the text of a note that was made before. `clock_s`: as in `mark`. Returns a text for
+        the referee; empty: nothing changed. Raises `Refused`."""
+        place = self._place_of(note)
+        if place is None:
+            if sum(entry.kind == NOTE for entry in self.state.timeline) >= MAX_NOTES:
+                raise Refused([say("the run has {most} notes, which is the most")(most=MAX_NOTES)])
+            if clock_s is None and self.state.started_utc:
+                clock_s = self._clock_s(now)
+            self.state.timeline.append(TimelineEntry(
+                self._next_number(), NOTE, now.utc, _rounded(clock_s), who, note.text, note.role, note.device, note.id))
+            return f"Note: {note.text}" if note.text else "Noted this moment"
+        before = self.state.timeline[place]
+        # The note itself may arrive again after its text.
+        if note.text == before.text or not (note.text or note.number):
+            return ""
+        self.state.timeline[place] = before._replace(text=note.text, changed_utc=now.utc, changed_by=who)
+        return f"Note {before.number}: {note.text}"
+
+    def is_noted(self, note: Note) -> bool:
+        """Whether a note changes nothing, because it was made before."""
+        place = self._place_of(note)
+        return place is not None and self.state.timeline[place].text == note.text
+
+    def _place_of(self, note: Note) -> Optional[int]:
+        """Return the place of the note that is meant; None: a new one. Raises `Refused`."""
+        for place, entry in enumerate(self.state.timeline):
+            if entry.kind == NOTE and (entry.number == note.number if note.number else note.id and entry.id == note.id):
+                return place
+        if note.number:
+            raise Refused([say("the run has no note {number}")(number=note.number)])
+        return None
+
+    def _next_number(self) -> int:
+        return 1 + max((entry.number for entry in self.state.timeline), default=0)
+
     # -- scores -------------------------------------------------------------------------------------
 
-    def mark(self, now: Now, who: str, mark: Mark, clock_s: Optional[float] = None) -> Marked:
-        """See `ScoreSheet.set`. `clock_s`: counted seconds of the run in progress; None: it is not."""
+    def mark(
+        self, now: Now, who: str, mark: Mark, clock_s: Optional[float] = None, end_reason: str = "",
+    ) -> Marked:
+        """See `ScoreSheet.set`. `clock_s`: counted seconds of the run in progress; None: it is not. `end_reason`: name
+        of an `EndReason`; empty: the run has not ended."""
         if self.sheet.is_applied(mark):
             return Marked(None, "")
         self._check_not_judged()
+        points = self._total(end_reason)
         before = self.sheet.set(now, who, mark, self._over, self._clock_s(now) if clock_s is None else clock_s)
+        self.sheet.give(self._total(end_reason) - points)
         return self._marked(before, self.sheet.item(mark.group, mark.desc), mark.note)
+
+    def _total(self, end_reason: str) -> Decimal:
+        points = self.counted(end_reason).points
+        return Decimal(0) if points is None else Decimal(points.total)
 
     def _clock_s(self, now: Now) -> float:
         """Return the counted seconds of an entry of a run that is not in progress. After the time limit they continue
@@ -200,8 +272,12 @@ class RunBook:
             items=items, points=points, form=None if self.form.is_plain else self.form, history=self.sheet.history,
             stops=tuple(self.state.stops), started_utc=self.state.started_utc, elapsed_s=self.state.elapsed_s,
             marks=self.sheet.marks, judging=self.judges.record(), publication=self.publication.record(),
-            outages=tuple(self.state.outages),
+            outages=tuple(self.state.outages), timeline=tuple(self.state.timeline),
         )
+
+
+def _rounded(clock_s: Optional[float]) -> Optional[float]:
+    return None if clock_s is None else round(clock_s, 3)
 
 
 def _marks_of(verdict: ItemVerdict) -> List[Mark]:
@@ -267,7 +343,14 @@ class FinishedRun:
         if self._book.sheet.is_applied(mark):
             return ""
         self._check_open()
-        return self._changed(self._book.mark(now, who, mark).text)
+        return self._changed(self._book.mark(now, who, mark, end_reason=self.record.end_reason).text)
+
+    def note(self, now: Now, who: str, note: Note) -> str:
+        """See `RunBook.note`. Raises `Refused`."""
+        if self._book.is_noted(note):
+            return ""
+        self._check_open()
+        return self._changed(self._book.note(now, who, note))
 
     @property
     def sheet(self) -> ScoreSheet:
@@ -378,7 +461,8 @@ def _state_of(record: RunRecord) -> BookState:
     """Return the book of a finished run."""
     return BookState(
         SheetState(list(record.history), record.marks), list(record.stops), record.started_utc, record.elapsed_s,
-        JudgesState.of(record.judging), PublicationState.of(record.publication), list(record.outages))
+        JudgesState.of(record.judging), PublicationState.of(record.publication), list(record.outages),
+        list(record.timeline))
 
 
 def left_behind(record: RunRecord, utc: float) -> RunRecord:
@@ -426,7 +510,7 @@ class FinishedRuns:
         """Return the part of a record that decides what counts. The journal has the whole record."""
         return record._replace(
             items=self._items.setdefault(record.items, record.items), history=(), stops=(), phases=(), form=None,
-            marks="", judging=_NO_JUDGING, publication=_NO_PUBLICATION)
+            marks="", judging=_NO_JUDGING, publication=_NO_PUBLICATION, timeline=())
 
     def restore(self, records: Iterable[RunRecord]) -> None:
         """Take records from before a restart, in any order. Only those of runs that were left are kept."""

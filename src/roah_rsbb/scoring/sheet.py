@@ -125,6 +125,7 @@ class ScoreSheet:
         # The last entry that is not withdrawn, with the value that counts.
         self._standing: Dict[Place, ScoreEntry] = {}
         self._begun: Dict[int, float] = {}  # number of an item's newest entry -> monotonic time (s) of its first change
+        self._touched: Optional[int] = None  # number of the entry that the last `set` made or changed; None: of none
         self._groups: Optional[Tuple[ScoreGroup, ...]] = None  # as `groups` has them, until something changes
         self._records: Optional[Tuple[ItemRecord, ...]] = None
         self._stand()
@@ -202,6 +203,7 @@ class ScoreSheet:
         A value removes the mark. A call without a change and without a note makes no entry. A mark that was applied
         changes nothing. `correction`: the run is over; `clock_s`: its counted seconds.
         """
+        self._touched = None
         if self.is_applied(mark):
             return self.item(mark.group, mark.desc)
         mark = self.check(mark)
@@ -224,11 +226,19 @@ class ScoreSheet:
             self._history.append(entry)
             self._last_number = entry.number
             self._begun[entry.number] = now.mono
-            self._take(mark.id, entry.number)
+            self._touched = entry.number
         else:
-            self._take(mark.id, self._replace(same, entry))
+            self._touched = self._replace(same, entry) or None
+        self._take(mark.id, self._touched or 0)
         self._stand()
         return record
+
+    def give(self, points: Decimal) -> None:
+        """Note by how many points the last `set` changed the total."""
+        for place in reversed(range(len(self._history))):
+            entry = self._history[place]
+            if points and entry.number == self._touched:
+                self._history[place] = entry._replace(points=_sum(entry.points, text_of(points)))
 
     def _counted(self, item: ScoringItem, mark: Mark) -> Mark:
         """Return the mark with the value that the item has after it. The caller checks that value."""
@@ -556,12 +566,19 @@ def _after(before: Optional[ScoreEntry], entry: ScoreEntry) -> ScoreEntry:
 
 def _joined(first: ScoreEntry, later: ScoreEntry) -> ScoreEntry:
     """Return an entry that changes an item as the two entries together do."""
-    whole = later._replace(old=first.old, old_text=first.old_text, old_not_attempted=first.old_not_attempted)
+    whole = later._replace(old=first.old, old_text=first.old_text, old_not_attempted=first.old_not_attempted,
+                           points=_sum(first.points, later.points))
     if not later.added:
         return whole
     if first.added:
         return whole._replace(added=text_of(Decimal(first.added) + Decimal(later.added)))
     return _after(first, whole)._replace(added="")
+
+
+def _sum(*points: str) -> str:
+    """Return the sum of points; empty: it is 0."""
+    found = sum(map(Decimal, filter(None, points)), Decimal(0))
+    return text_of(found) if found else ""
 
 
 # -- values -----------------------------------------------------------------------------------------

@@ -24,7 +24,7 @@ from roah_rsbb.document.calls import RING
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.messages import DevicesSeen
-from roah_rsbb.model.results import EventSeen, JudgedRun, Judging, RunLine, RunSheet
+from roah_rsbb.model.results import EventSeen, JudgedRun, Judging, RunLine, RunSheet, RunTimeline
 from roah_rsbb.model.scoring import INCIDENTS
 from roah_rsbb.model.zone import RUNNING, Count, RunClock, SheetItem, ZoneSeen
 from roah_rsbb.protocol import wire_seconds
@@ -34,11 +34,14 @@ from roah_rsbb.web.public_documents import FIXED_TEXTS, Data, Store
 from roah_rsbb.wording import judging, public, schedule, sheets, stop, times, todo, whole_box
 from roah_rsbb.wording.language import number, tr, tr_said
 from roah_rsbb.wording.sheets import scores_by_group, with_counting
+from roah_rsbb.wording.timeline import page_item, timeline
 from roah_rsbb.wording.times import Figure, Moments, clock_of, formatted
 from roah_rsbb.wording.whole_box import LinkQuality
 
 # Runs without judges that are over and not signed off. Of more, the page says how many there are.
 MAX_UNSIGNED = 50
+# Items of a timeline. The sheet of the run has all.
+MAX_TIMELINE = 100
 
 
 def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
@@ -100,6 +103,15 @@ def sheet_page(sheet: RunSheet) -> Data:
     return {"items": [item_page(item) for item in sheet.items], "incidents": sheets.incidents_text(sheet.items),
             "points": sheets.points_text(sheet.points),
             "steps": sheets.steps_text(sheet.points)}
+
+
+def timeline_page(run: Optional[RunTimeline]) -> Optional[Data]:
+    """Return what happened in a run, the latest first; None: there is no run."""
+    if run is None:
+        return None
+    items = timeline(run, _MOMENTS.time_of_day)
+    return {"identity": run.identity, "items": [page_item(item) for item in items[:MAX_TIMELINE]],
+            "hidden": max(0, len(items) - MAX_TIMELINE)}
 
 
 def clock_page(zone: ZoneSeen, mono: float) -> Data:
@@ -342,6 +354,7 @@ def whole_sheet_page(sheet: RunSheet) -> Data:
             {"number": entry.number, "is_withdrawn": entry.withdrawn_utc_s is not None,
              "text": sheets.entry_line(sheets.entry_texts(entry, _MOMENTS.time_of_day))}
             for entry in reversed(sheet.history[-MAX_HISTORY:])],
+        "timeline": [page_item(item) for item in timeline(sheet.timeline, _MOMENTS.time_of_day)],
         "ends": [
             {"number": end.number, "reason": sheets.stop_reason(end.reason, end.reason_by, end.who),
              "text": " · ".join(filter(None, [_MOMENTS.time_of_day(end.utc_s), sheets.person(end.who),
@@ -434,7 +447,7 @@ def part_page(part: str, shown: PartShown) -> Optional[Data]:
     return PARTS[part].make(shown) if shown.zone in shown.document.zones else None
 
 
-ZONE, CLOCK, ZONES = "page.zone", "page.clock", "page.zones"
+ZONE, CLOCK, ZONES, TIMELINE = "page.zone", "page.clock", "page.zones", "page.timeline"
 # What STOP needs, without a text: of a zone, or with "" of all zones.
 STOP = "page.stop"
 NO_STOP: Key = (STOP,)  # of devices that may stop nothing
@@ -500,6 +513,7 @@ class Desk(Numbered):
         if zone is None:  # it is gone
             self._renew((ZONE, language, name), None, lambda: None)
             self._renew((CLOCK, language, name), None, lambda: None)
+            self._renew((TIMELINE, language, name), None, lambda: None)
             return
         is_counting = counts(zone.clock) and not self.box.is_old
         self._renew(
@@ -508,6 +522,8 @@ class Desk(Numbered):
             lambda: zone_page(zone, document, now.utc))
         self._renew((CLOCK, language, name), (zone.clock, zone.phase, now.mono if is_counting else None),
                     lambda: clock_page(zone, now.mono))
+        happened = document.timelines.get(name)
+        self._renew((TIMELINE, language, name), happened, lambda: timeline_page(happened))
 
     def _zones(self) -> List[ZoneSeen]:
         document = self.box.document
@@ -519,7 +535,8 @@ class Desk(Numbered):
     def keys(self, language: str, zone: str, part: str = "", own: str = "") -> List[Key]:
         """Return the keys of all documents of a page; see `show`."""
         return [*self._store.keys(FIXED_TEXTS, language), (ZONES, language), (ZONE, language, zone),
-                (CLOCK, language, zone), *([(part_name(part), language, zone, own)] if part else [])]
+                (CLOCK, language, zone), (TIMELINE, language, zone),
+                *([(part_name(part), language, zone, own)] if part else [])]
 
     def document(self, key: Key) -> NumberedDocument:
         """Return a document."""

@@ -7,9 +7,6 @@ from roah_rsbb.model.reason import say
 from roah_rsbb.wording import judging, schedule, sheets, stop, whole_box
 from roah_rsbb.wording.language import tr, tr_later, tr_words
 
-# The roles of devices, by the names in the ROS interface.
-ROLES = {"referee": tr_later("Referee"), "judge": tr_later("Judge"), "organiser": tr_later("Organiser")}
-
 # Why a device is not paired.
 NO_WEB = tr_later("the box serves no web pages: start it with web:=true")
 TOO_MANY_GUESSES = tr_later("Too many wrong codes from this network: wait a minute, or scan the QR code of a new code")
@@ -49,8 +46,8 @@ KEYS = (*SHARED_KEYS, ("?", tr_later("open or close this list")))
 
 def role_text(role: str, zone: str) -> str:
     """Return a role and where it counts."""
-    return tr("{role} in {zone}", role=tr(ROLES[role]), zone=zone) if zone else tr("{role}, all zones",
-                                                                                  role=tr(ROLES[role]))
+    return tr("{role} in {zone}", role=tr(sheets.ROLES[role]), zone=zone) if zone else tr("{role}, all zones",
+                                                                                  role=tr(sheets.ROLES[role]))
 
 
 def encryption_text(url: str) -> str:
@@ -163,7 +160,7 @@ def page_words() -> Dict[str, Any]:
             uphold=judging.UPHOLD, reject=judging.REJECT,
             no_answer="No answer from the box: check the network, and try again",
         ),
-        "continue": tr("▶ Start again"), **{f"role_{name}": tr(text) for name, text in ROLES.items()},
+        "continue": tr("▶ Start again"), **{f"role_{name}": tr(text) for name, text in sheets.ROLES.items()},
         "schedule_shows": [[show.value, tr(show.value)] for show in schedule.Show if show is not schedule.Show.ALL],
         "robot_columns": [tr(column) for column in whole_box.ROBOT_COLUMNS],
         "robot_explanations": list(whole_box.column_explanations().values()),

@@ -119,6 +119,7 @@ def stop_reason(reason: str, reason_by: str, stopped_by: str) -> str:
 # -- people -----------------------------------------------------------------------------------------
 
 NO_NAME = tr_later("no name")
+ROLES = {"referee": tr_later("Referee"), "judge": tr_later("Judge"), "organiser": tr_later("Organiser")}
 # The core writes the name that was typed, if any, and the node that called (docs/ros_interface.md).
 _WITH_NODE = re.compile(r"(.*) \((/[^\s()]*)\)")
 
@@ -137,6 +138,11 @@ def node_of(who: str) -> str:
     if match is not None:
         return match.group(2)
     return who if who.startswith("/") else ""
+
+
+def role_word(role: str) -> str:
+    """Return a role in words; empty: it is not known. One of a newer version is shown unchanged."""
+    return tr(ROLES.get(role, role)) if role else ""
 
 
 def author(who: str, role: str, device: str) -> str:
@@ -302,7 +308,7 @@ def history_entry(entry: ScoreEntry, kind: str, unit: str) -> HistoryEntry:
         entry.old, entry.old_not_attempted, entry.value, entry.not_attempted, entry.note, entry.correction,
         entry.withdrawn_utc or None, entry.withdrawn_by, entry.withdrawn_note, entry.withdrawal_corrects,
         entry.old_text, entry.text, entry.judge, entry.clock_s, entry.in_time, entry.in_time_by,
-        entry.void, unit)
+        entry.void, unit, entry.points, entry.who, entry.role)
 
 
 class EntryTexts(NamedTuple):

@@ -93,6 +93,12 @@ def elapsed(seconds: float) -> str:
     return _minutes(tenths // 600, number(f"{tenths // 10 % 60:02d}.{tenths % 10}"))
 
 
+def clock_time(seconds: float) -> str:
+    """Return the whole seconds that a run's clock has counted, such as ``2:41``."""
+    whole = max(0, int(seconds))
+    return _minutes(whole // 60, f"{whole % 60:02d}")
+
+
 def _minutes(minutes: int, seconds: str) -> str:
     hours, rest = divmod(minutes, 60)
     return f"{hours}:{rest:02d}:{seconds}" if hours else f"{rest}:{seconds}"

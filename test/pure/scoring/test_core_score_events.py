@@ -97,8 +97,9 @@ def test_a_record_follows_a_run_through_its_life(driver):
         "stopped", driver.now.utc, pytest.approx(35.0)
     )
     first, second = record.stops
-    assert first[1:] == ("Anna", "stopped", "Benchmark stopped by the referee", "in the way of the camera", "Anna")
-    assert second[1:] == ("Ben", "stopped", "Benchmark stopped by the referee", "", "")
+    assert first[1:] == (
+        "Anna", "stopped", "Benchmark stopped by the referee", "in the way of the camera", "Anna", 20.0)
+    assert second[1:] == ("Ben", "stopped", "Benchmark stopped by the referee", "", "", pytest.approx(35.0))
     assert (first.utc, second.utc) == (started_utc + 20.0, driver.now.utc)
 
 
@@ -108,7 +109,7 @@ def test_an_end_that_comes_by_itself_is_nobodys():
     driver.run(40.0)
     record = _record(driver)
     assert (record.end_reason, record.elapsed_s) == ("timeout", pytest.approx(30.0))
-    assert [stop[1:] for stop in record.stops] == [("", "timeout", "Stopped due to timeout", "", "")]
+    assert [stop[1:] for stop in record.stops] == [("", "timeout", "Stopped due to timeout", "", "", 30.0)]
 
 
 def test_every_change_of_a_record_is_published(driver):

@@ -319,7 +319,8 @@ def test_a_device_is_shown_its_zone_until_its_pairing_ends(served):
     token = served.token()
     device = served.opened("device", token)
     message = served.read(device)
-    assert set(message["documents"]) == {"page.words", "page.device_words", "page.zones", "page.zone", "page.clock"}
+    assert set(message["documents"]) == {"page.words", "page.device_words", "page.zones", "page.zone", "page.clock",
+                                         "page.timeline"}
     assert served.server.connected() == {served.sessions.listed(served.server.utc())[0].id}
     served.server.revoke("")
     assert served.is_closed(device)

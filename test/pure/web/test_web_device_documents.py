@@ -219,7 +219,8 @@ def test_a_result_without_judges_can_be_published(desk):
 def test_a_message_names_each_document_once(desk):
     keys = desk.keys("en", "Home")
     message = json.loads(desk.message("snapshot", keys, {}))
-    assert set(message["documents"]) == {"page.words", "page.device_words", "page.zones", "page.zone", "page.clock"}
+    assert set(message["documents"]) == {"page.words", "page.device_words", "page.zones", "page.zone", "page.clock",
+                                         "page.timeline"}
     assert message["documents"]["page.zones"]["data"] == [{
         "zone": "Home", "team": "Alpha", "phase": "RUNNING", "todo": "No message from the robot for 3 s",
         "is_urgent": True}]

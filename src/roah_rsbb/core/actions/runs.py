@@ -175,7 +175,7 @@ class Start(ZoneAction):
     def do(self, now: Now, zone: Zone, by: By, given: Given) -> None:
         """See `ZoneAction`."""
         assert zone.run is not None, "it was checked before"
-        zone.run.start(now)
+        zone.run.start(now, by)
 
 
 class StopRun(ZoneAction):
@@ -221,7 +221,7 @@ class Continue(ZoneAction):
     def do(self, now: Now, zone: Zone, by: By, given: Given) -> None:
         """See `ZoneAction`."""
         assert zone.run is not None, "it was checked before"
-        zone.run.continue_run(now)
+        zone.run.continue_run(now, by)
 
 
 class Pause(ZoneAction):
@@ -244,7 +244,7 @@ class Pause(ZoneAction):
     def do(self, now: Now, zone: Zone, by: By, given: Given) -> None:
         """See `ZoneAction`."""
         assert zone.run is not None, "it was checked before"
-        zone.run.pause(now, True)
+        zone.run.pause(now, True, by)
 
 
 class ResumeClock(ZoneAction):
@@ -264,7 +264,7 @@ class ResumeClock(ZoneAction):
     def do(self, now: Now, zone: Zone, by: By, given: Given) -> None:
         """See `ZoneAction`."""
         assert zone.run is not None, "it was checked before"
-        zone.run.pause(now, False)
+        zone.run.pause(now, False, by)
 
 
 class NextPhase(ZoneAction):
@@ -291,7 +291,7 @@ class NextPhase(ZoneAction):
     def do(self, now: Now, zone: Zone, by: By, given: Given) -> None:
         """See `ZoneAction`."""
         assert zone.run is not None, "it was checked before"
-        zone.run.go_to_phase(now, zone.run.times.state.phase + self.by)
+        zone.run.go_to_phase(now, zone.run.times.state.phase + self.by, by)
 
 
 class PreviousPhase(NextPhase):

@@ -18,6 +18,7 @@ from roah_rsbb.model.actions import ACTIONS, CONFIRM, ENTRIES, EVERY, JUDGE_MARK
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Refused, RunName, checked_who, cut_note, say
 from roah_rsbb.model.records import By
+from roah_rsbb.scoring.book import Note
 from roah_rsbb.scoring.sheet import Mark
 from roah_rsbb.wording.texts import did_you_mean
 
@@ -179,6 +180,7 @@ class Entries:
                 lambda now, run, who, given: scores.in_time(now, run, given["entry"], not given["late"], who)),
             "take_back": _Entry(
                 lambda now, run, who, given: scores.take_back(now, run, given["id"], who, given["note"])),
+            "note": _Entry(lambda now, run, who, given: scores.note(now, run, Note(**given), who)),
             "stop_reason": _Entry(
                 lambda now, run, who, given: scores.give_stop_reason(now, run, given["reason"], who, given["stop"])),
             "sign_off": _Entry(lambda now, run, who, given: scores.sign_off(now, run, who)),

@@ -29,7 +29,7 @@ from roah_rsbb.core.runs.times import CountdownState, RunTimes
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import RobotReport
 from roah_rsbb.model.reason import joined, say
-from roah_rsbb.model.records import NOBODY, By, EndReason, Phase
+from roah_rsbb.model.records import NOBODY, By, EndReason, Occurred, Phase
 from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook.benchmarks import NO_RULES
 from roah_rsbb.scoring.book import BookState
@@ -142,6 +142,9 @@ class MemberRun(Run):
         """Do nothing: the whole run rings the bell, once."""
         self._end(now, EndReason.TIMEOUT)
 
+    def happened(self, now: Now, what: Occurred, who: str = "", text: str = "") -> None:
+        """Do nothing: the whole run has the only timeline."""
+
     def _record_changed(self, now: Now) -> None:
         """Report the change to the whole run, which has the only record."""
 
@@ -216,10 +219,10 @@ class AllRobotsRun(ZoneRun):
 
     # -- the referee --------------------------------------------------------------------------------
 
-    def start(self, now: Now) -> None:
+    def start(self, now: Now, by: By = NOBODY) -> None:
         """See `ZoneRun`. All members share the clock: they start it, and stop it when they end."""
         self._enter(RunEvent.START)
-        self._note_start(now)
+        self._note_start(now, by)
         for member in self._members:
             if member.why_not_ready(now):
                 member.leave_out(now)

@@ -50,11 +50,11 @@ class HandRun(ZoneRun):
 
     # -- the referee's commands -----------------------------------------------------------------------
 
-    def start(self, now: Now) -> None:
+    def start(self, now: Now, by: By = NOBODY) -> None:
         """See `ZoneRun`."""
         self.clock.start(now)
         self._enter(RunEvent.START)
-        self._note_start(now)
+        self._note_start(now, by)
         self._describe(now, STARTED)
 
     def stop(self, now: Now, by: By = NOBODY) -> None:

@@ -37,7 +37,7 @@ from roah_rsbb.model.modules import (
     Step,
 )
 from roah_rsbb.model.reason import say
-from roah_rsbb.model.records import NOBODY, By, EndReason, Phase, ScoreValue
+from roah_rsbb.model.records import NOBODY, By, EndReason, Occurred, Phase, ScoreValue
 from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT
 from roah_rsbb.rulebook.registry import ResultForm
@@ -341,6 +341,7 @@ class FunctionalityRun(Run):
             self.of_module.switches = SwitchesState(request.initial_state)
             self.switches = NumberedSwitches(self.of_module.switches)
         self._emit(effects.RunLogged(self.port, run_log.GOAL, goal_json(request)))
+        self.happened(now, Occurred.GOAL, text=request.text)
         self._set_pauses(now)
         if not self.state.asks:
             self._set_state(now, BoxState.PREPARE, NEW_GOAL)

@@ -37,11 +37,21 @@ from roah_rsbb.model import run_log
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import NO_GOAL, BoxMessage, GoalMessage, RobotReport
 from roah_rsbb.model.reason import say
-from roah_rsbb.model.records import NOBODY, By, EndReason, ItemRecord, Outage, Phase, RunRecord, ScoreValue
+from roah_rsbb.model.records import (
+    NOBODY,
+    By,
+    EndReason,
+    ItemRecord,
+    Occurred,
+    Outage,
+    Phase,
+    RunRecord,
+    ScoreValue,
+)
 from roah_rsbb.model.scoring import WHOLE
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Restarts, ScheduledEvent
-from roah_rsbb.scoring.book import BookState, Marked, RunBook
+from roah_rsbb.scoring.book import BookState, Marked, Note, RunBook
 from roah_rsbb.scoring.sheet import Mark, ScoreSheet, value_text
 from roah_rsbb.wording import sheets, stop, times
 
@@ -346,7 +356,7 @@ class ZoneRun(abc.ABC):
     # -- the referee's commands; the caller has checked that they are allowed --------------------------
 
     @abc.abstractmethod
-    def start(self, now: Now) -> None:
+    def start(self, now: Now, by: By = NOBODY) -> None:
         """Start, or start again after a stop. Since the stop the clock kept running, unless the rules say otherwise."""
 
     @abc.abstractmethod
@@ -357,26 +367,29 @@ class ZoneRun(abc.ABC):
     def take_stop(self, sent: UnrecordedStop) -> None:
         """End a run in progress as the box before ended it."""
 
-    def continue_run(self, now: Now) -> None:
+    def continue_run(self, now: Now, by: By = NOBODY) -> None:
         """Continue a run of which the box could not know whether it continues: see `doubt`."""
         for member in self.members():
             if member.doubt(now):
                 member.continue_run(now)
+        self.happened(now, Occurred.CONTINUE, by.who)
 
     @abc.abstractmethod
     def close(self, now: Now, by: By = NOBODY) -> None:
         """Leave the run. This closes all its channels."""
 
-    def pause(self, now: Now, paused: bool) -> None:
+    def pause(self, now: Now, paused: bool, by: By = NOBODY) -> None:
         """Pause the clock of a run in progress, or resume it. The robot does not notice."""
         self.times.state.paused = paused
         self._set_pauses(now)
+        self.happened(now, Occurred.PAUSE if paused else Occurred.RESUME, by.who)
         self.say(now, Level.INFO, "Clock paused by the referee" if paused else "Clock resumed by the referee")
 
-    def go_to_phase(self, now: Now, number: int) -> None:
+    def go_to_phase(self, now: Now, number: int, by: By = NOBODY) -> None:
         """Make a phase of the run in progress the current one."""
         self.times.go_to(now, number)
         self._describe(now, "begun by the referee")
+        self.happened(now, Occurred.PHASE, by.who, self.times.rules.phases[number - 1].name)
         self._record_changed(now)
 
     def give_up(self, now: Now, reason: EndReason, by: By) -> None:
@@ -409,10 +422,25 @@ class ZoneRun(abc.ABC):
 
     def mark(self, now: Now, who: str, mark: Mark) -> None:
         """Mark a scoring item. Raises `Refused` if the item or the value does not exist."""
-        running = self.phase is Phase.RUNNING
-        marked = self.book.mark(now, who, mark, self.clock.elapsed(now) if running else None)
+        end = "" if self.end_reason is None else self.end_reason.name.lower()
+        marked = self.book.mark(now, who, mark, self._counted_s(now), end)
         if marked.text:
             self._score_changed(now, marked)
+
+    def note(self, now: Now, who: str, note: Note) -> None:
+        """See `RunBook.note`. Raises `Refused`."""
+        text = self.book.note(now, who, note, self._counted_s(now))
+        if text:
+            self.say(now, Level.INFO, text)
+            self._record_changed(now)
+
+    def happened(self, now: Now, what: Occurred, who: str = "", text: str = "") -> None:
+        """See `RunBook.happened`."""
+        self.book.happened(now, what, self._counted_s(now), who, text)
+
+    def _counted_s(self, now: Now) -> Optional[float]:
+        """Return the counted seconds of the run in progress; None: it is not."""
+        return self.clock.elapsed(now) if self.phase is Phase.RUNNING else None
 
     def withdraw_score(self, now: Now, by: By, number: int) -> None:
         """Withdraw an entry of the score sheet. Raises `Refused`."""
@@ -490,9 +518,10 @@ class ZoneRun(abc.ABC):
         ))
         return record._replace(elapsed_s=self.clock.elapsed(now)) if self.phase is Phase.RUNNING else record
 
-    def _note_start(self, now: Now) -> None:
+    def _note_start(self, now: Now, by: By) -> None:
         self.times.started(now)
         self.book.started(now)
+        self.happened(now, Occurred.START, by.who)
         self._record_changed(now)
 
     def note_outage(self, now: Now, down_s: float) -> None:
@@ -614,13 +643,13 @@ class Run(ZoneRun):
 
     # -- the referee's commands; the caller has checked that they are allowed ------------------------
 
-    def start(self, now: Now) -> None:
+    def start(self, now: Now, by: By = NOBODY) -> None:
         """See `ZoneRun`."""
         self.state.doubted = self.state.asks = False
         self.clock.start(now)
         self.state.said.clear()
         self._enter(RunEvent.START)
-        self._note_start(now)
+        self._note_start(now, by)
         self._begin(now)
 
     def _begin(self, now: Now) -> None:
@@ -635,8 +664,9 @@ class Run(ZoneRun):
         self._end(sent.at, sent.reason, ALREADY_SENT(end=sent.reason.value), sent.by)
         self._state_mono = float("-inf")  # the robot had its time to answer
 
-    def continue_run(self, now: Now) -> None:
+    def continue_run(self, now: Now, by: By = NOBODY) -> None:
         """See `ZoneRun`."""
+        self.happened(now, Occurred.CONTINUE, by.who)
         self.state.doubted, was_asked, self.state.asks = False, self.state.asks, False
         self._set_pauses(now)
         self.say(now, Level.INFO, CONTINUED)

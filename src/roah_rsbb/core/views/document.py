@@ -18,7 +18,7 @@ from roah_rsbb.model.document import BoxSeen, Document, RobotSeen, TabletSeen
 from roah_rsbb.model.modules import RequestKind
 from roah_rsbb.model.reason import joined, say
 from roah_rsbb.model.records import RAN_TO_THE_END, Phase, RunRecord
-from roah_rsbb.model.results import Judging, RunLine, UnsavedParts
+from roah_rsbb.model.results import Judging, RunLine, RunTimeline, UnsavedParts
 from roah_rsbb.model.zone import LATELY_S, AllRobots, Count, Event, RobotInRun, RunClock, SheetItem, Switches, ZoneSeen
 from roah_rsbb.protocol import wire_seconds
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, Restarts, ScheduledEvent
@@ -348,6 +348,7 @@ class Documents:
         self._events: Optional[Sequence[EventLine]] = None  # of which the last schedule was made
         self._revision: Optional[int] = None  # of the box, to which the sections belong that only events change
         self._lines: Dict[str, Tuple[RunRecord, Why, RunLine]] = {}  # by identity
+        self._timelines: Dict[str, Tuple[Tuple[int, ZoneRun], RunTimeline]] = {}  # by zone, with what it is made of
 
     def look(
         self, now: Now, log_files: Mapping[int, str] = NO_FILES, unsaved: Sequence[UnsavedParts] = (),
@@ -367,7 +368,8 @@ class Documents:
         has_changed = revision != self._revision
         if has_changed:
             document = document._replace(
-                results=_kept(last.results, self._results(now)), judging=_kept(last.judging, self._judging(now)))
+                results=_kept(last.results, self._results(now)), judging=_kept(last.judging, self._judging(now)),
+                timelines=_kept(last.timelines, self._timelines_of(now)))
         if has_changed or zones is not last.zones:
             document = self._publicly(document, now, has_changed)
         self._revision, self._events = revision, events
@@ -404,6 +406,16 @@ class Documents:
                 known = record, counts, sheets.run_line(record, counts)
             self._lines[record.identity] = known
         return {identity: line for identity, (_, _, line) in self._lines.items()}
+
+    def _timelines_of(self, now: Now) -> Dict[str, RunTimeline]:
+        """Return what happened in the runs in the zones. A timeline is made again only if its zone changed."""
+        before, self._timelines = self._timelines, {}
+        for zone in self._box.zones.values():
+            if zone.run is not None:
+                made_of, known = (self._box.outbox.revision_of(zone.name), zone.run), before.get(zone.name)
+                self._timelines[zone.name] = known if known is not None and known[0] == made_of else (
+                    made_of, sheets.run_timeline(zone.run.record(now)))
+        return {name: timeline for name, (_, timeline) in self._timelines.items()}
 
     def _judging(self, now: Now) -> Dict[str, Judging]:
         return {one.record.identity: sheets.judging(one) for one in self._box.judges.unsigned(now)}

@@ -14,6 +14,7 @@ from roah_rsbb.model.results import (
     NOT_JUDGED,
     SETTLED,
     Given,
+    HistoryEntry,
     JudgedItem,
     JudgedRun,
     JudgeLine,
@@ -22,6 +23,7 @@ from roah_rsbb.model.results import (
     RunEnd,
     RunLine,
     RunSheet,
+    RunTimeline,
 )
 from roah_rsbb.model.rules import Number
 from roah_rsbb.model.scoring import Key, ScoreKind, ScoringItem, SheetForm
@@ -89,14 +91,29 @@ def run_line(record: RunRecord, why: Optional[Why]) -> RunLine:
 
 def run_sheet(record: RunRecord, why: Optional[Why]) -> RunSheet:
     """Return a run with its score sheet."""
-    items = {item.key: (_type(item), item.unit) for item in record.items}
     return RunSheet(
         run_line(record, why), tuple(record.robots), record.elapsed_s, _given_items(record),
-        tuple(history_entry(entry, *items.get((entry.group, entry.desc), ("uint", ""))) for entry in record.history),
-        tuple(RunEnd(number, stop.utc, stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by)
-              for number, stop in enumerate(record.stops, 1)),
-        record.module_scores, record.points,
+        _history(record), _ends(record), record.module_scores, record.points, record.timeline, record.outages,
     )
+
+
+def run_timeline(record: RunRecord) -> RunTimeline:
+    """Return what happened in a run."""
+    signed = record.sign_off
+    return RunTimeline(
+        record.identity, record.opened_utc, _history(record), _ends(record), record.timeline, record.outages,
+        record.closed_utc or None, None if signed is None else signed.utc, "" if signed is None else signed.who)
+
+
+def _history(record: RunRecord) -> Tuple[HistoryEntry, ...]:
+    items = {item.key: (_type(item), item.unit) for item in record.items}
+    found = (history_entry(entry, *items.get((entry.group, entry.desc), ("uint", ""))) for entry in record.history)
+    return tuple(entry._replace(late=is_late(entry.void)) if entry.void else entry for entry in found)
+
+
+def _ends(record: RunRecord) -> Tuple[RunEnd, ...]:
+    return tuple(RunEnd(number, stop.utc, stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by,
+                        stop.clock_s) for number, stop in enumerate(record.stops, 1))
 
 
 def _given_items(record: RunRecord) -> Tuple[SheetItem, ...]:

@@ -1,0 +1,133 @@
+"""What happened in a run, in one list: connect, starts, marks, notes, pauses, phases, goals, ends, the sign-off.
+
+Every face shows these items and words none itself.
+"""
+
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional
+
+from roah_rsbb.model.records import TimelineEntry
+from roah_rsbb.model.results import HistoryEntry, RunEnd, RunTimeline
+from roah_rsbb.wording import sheets
+from roah_rsbb.wording.language import number, tr, tr_later, tr_said
+from roah_rsbb.wording.sheets import When
+from roah_rsbb.wording.times import clock_time
+
+# The kinds of items besides those of `Occurred`; a second start is a restart.
+MARK, STOP, END, RESTART = "mark", "stop", "end", "restart"
+CONNECT, DISCONNECT, SIGN_OFF, OUTAGE = "connect", "disconnect", "sign_off", "outage"
+NOTE, START, PHASE, GOAL = "note", "start", "phase", "goal"
+_TITLES = {
+    CONNECT: tr_later("Connected"), START: tr_later("Started"), RESTART: tr_later("Started again"),
+    "continue": tr_later("Continued"), "pause": tr_later("Clock paused"), "resume": tr_later("Clock resumed"),
+    GOAL: tr_later("Goal"), DISCONNECT: tr_later("Disconnected"),
+    SIGN_OFF: tr_later("Signed off"),
+}
+NO_TEXT = tr_later("A moment to remember: no text yet")
+
+
+class TimelineItem(NamedTuple):
+    """Something that happened in a run, in words. A text is empty where it does not apply."""
+
+    id: str  # its kind and its number, such as "mark 12": no other item of the run has the same
+    kind: str  # one of the words above, or of `Occurred`
+    utc_s: float
+    time: str  # of the day
+    clock: str  # of the run, counted
+    text: str  # what: the name of the item, the note, or a sentence
+    change: str = ""  # what a mark did, such as "+1"
+    points: str = ""  # by how much it changed the total then, such as "+80"
+    who: str = ""
+    role: str = ""  # in words; empty: not known
+    note: str = ""  # typed with a mark, or the reason of an end
+    state: str = ""  # withdrawn, late, void or correction; empty: as usual
+    said: str = ""  # the state in words
+    number: int = 0  # of the entry in the history, of the note, or of the end; 0: none
+    group: str = ""  # of the item that was marked
+    desc: str = ""
+
+
+def timeline(run: RunTimeline, when: When) -> List[TimelineItem]:
+    """Return what happened in a run, the latest first. `when`: how times of day are shown."""
+    # In the order of what may come at one moment.
+    found = [_plain(CONNECT, 0, run.opened_utc_s, when), *(_mark(entry, when) for entry in run.history),
+             *(_end(end, when) for end in run.ends), *_entries(run, when), *_after(run, when)]
+    return sorted(found, key=lambda item: item.utc_s)[::-1]
+
+
+def _after(run: RunTimeline, when: When) -> Iterator[TimelineItem]:
+    for place, outage in enumerate(run.outages, 1):
+        yield _plain(OUTAGE, place, outage.utc, when)._replace(text=tr_said(sheets.outage_text(outage)))
+    if run.closed_utc_s is not None:
+        yield _plain(DISCONNECT, 0, run.closed_utc_s, when)
+    if run.signed_utc_s is not None:
+        yield _plain(SIGN_OFF, 0, run.signed_utc_s, when)._replace(who=sheets.person(run.signed_by))
+
+
+def _plain(kind: str, number_: int, utc_s: float, when: When, clock_s: Optional[float] = None) -> TimelineItem:
+    return TimelineItem(f"{kind} {number_}" if number_ else kind, kind, utc_s, when(utc_s), clock_text(clock_s),
+                        tr(_TITLES.get(kind, kind)), number=number_)
+
+
+def _entries(run: RunTimeline, when: When) -> Iterator[TimelineItem]:
+    is_started = False
+    for entry in run.entries:
+        kind = RESTART if entry.kind == START and is_started else entry.kind
+        is_started = is_started or kind == START
+        found = _plain(kind, entry.number, entry.utc, when, entry.clock_s)._replace(
+            who=sheets.person(entry.who), role=sheets.role_word(entry.role))
+        if kind == NOTE:
+            yield found._replace(text=entry.text or tr(NO_TEXT), said=_changed(entry, when))
+        elif kind == PHASE:
+            yield found._replace(text=tr("Phase: {name}", name=entry.text))
+        elif kind == GOAL and entry.text:
+            yield found._replace(text=tr("Goal: {text}", text=tr_said(entry.text)))
+        else:
+            yield found
+
+
+def _changed(entry: TimelineEntry, when: When) -> str:
+    """Return when the text of a note was entered, if that was later."""
+    by, time = sheets.person(entry.changed_by), when(entry.changed_utc)
+    return tr("text by {name} at {time}", name=by, time=time) if entry.changed_utc else ""
+
+
+def _mark(entry: HistoryEntry, when: When) -> TimelineItem:
+    texts = sheets.entry_texts(entry, when)
+    state = ("withdrawn" if entry.withdrawn_utc_s else "late" if entry.late else "void" if entry.void
+             else "correction" if entry.correction else "")
+    return TimelineItem(
+        f"{MARK} {entry.number}", MARK, entry.utc_s, texts.when, clock_text(entry.clock_s), entry.item,
+        sheets.change_text(entry), points_text(entry.points), sheets.person(entry.by), sheets.role_word(entry.role),
+        entry.note, state, "; ".join(filter(None, (texts.correction, texts.withdrawn, texts.void))), entry.number,
+        entry.group, entry.item)
+
+
+def _end(end: RunEnd, when: When) -> TimelineItem:
+    kind = STOP if end.who else END
+    return _plain(kind, end.number, end.utc_s, when, end.clock_s)._replace(
+        text=tr_said(end.desc) or sheets.end_reason(end.end_reason), who=sheets.person(end.who),
+        note=sheets.stop_reason(end.reason, end.reason_by, end.who))
+
+
+def clock_text(clock_s: Optional[float]) -> str:
+    """Return the clock of a run at a moment, such as "2:41"; empty: not known."""
+    return "" if clock_s is None else clock_time(clock_s)
+
+
+def points_text(points: str) -> str:
+    """Return a change of the points with its sign; empty: none."""
+    return number(points if points.startswith("-") or not points else f"+{points}").replace("-", "−")
+
+
+def timeline_line(item: TimelineItem, mark: Callable[[str], str] = str) -> str:
+    """Return an item in one line; `mark` makes what is unusual stand out."""
+    by = ", ".join(filter(None, (item.who, item.role)))
+    what = " ".join(filter(None, (item.text, item.change, f"({item.points})" if item.points else "")))
+    times = f"{item.time} {item.clock:>5}"
+    return f"{times}  {what}{f': {item.note}' if item.note else ''}{f' – {by}' if by else ''}" + (
+        f"; {mark(item.said)}" if item.said else "")
+
+
+def page_item(item: TimelineItem) -> Dict[str, object]:
+    """Return an item for JSON, without what does not apply."""
+    return {name: value for name, value in item._asdict().items() if value not in ("", 0)}

@@ -1,0 +1,123 @@
+"""The timeline of a run: what the core keeps of it, and how all faces word it."""
+
+from decimal import Decimal
+
+import pytest
+
+from helpers.box_driver import BoxDriver
+from helpers.competition import BUMPS, DOOR, competition, event
+from roah_rsbb.core.actions.table import Target
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.views.document import Documents
+from roah_rsbb.model.reason import Refused, RunName
+from roah_rsbb.model.scoring import ScoreKind, ScoringItem
+from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
+from roah_rsbb.scoring.book import MAX_HAPPENED, MAX_NOTES
+from roah_rsbb.wording import timeline
+from roah_rsbb.wording.times import Moments
+
+RULES = EventRules(pause=True, phases=(PhaseRule("Enter", 60.0), PhaseRule("Search", 60.0)))
+FOUND = ScoringItem(DOOR.group, "finds it", ScoreKind.BOOL, Decimal(80))
+SHEET = (DOOR, FOUND, ScoringItem(BUMPS.group, BUMPS.desc, BUMPS.kind, Decimal(-20)))
+
+
+class World(BoxDriver):
+    """A run of a task with points and two phases."""
+
+    def __init__(self):
+        super().__init__(competition(tbm=[event("HWV", scoring=SHEET, rules=RULES)]), Settings(auto_next=False))
+        self.robot = self.connected()
+        self.name = RunName("tbm", self.run_in().identity)
+
+    def act(self, name, who="Anna", **given):
+        self.event(self.box.act, Target(*self.name), name, who, given)
+
+    def items(self):
+        """The timeline of the run as faces show it, the latest first."""
+        timelines = Documents(self.box, "uuid", "").look(self.now).timelines
+        return timeline.timeline(timelines["tbm"], Moments(True).time_of_day)
+
+    def entries(self):
+        return self.box.scores.record_of(self.now, self.name).timeline
+
+
+@pytest.fixture
+def world():
+    return World()
+
+
+def test_everything_of_a_run_is_one_list_the_latest_first_with_both_clocks(world):
+    world.act("start")
+    world.run(5.0)
+    world.act("mark", group=FOUND.group, desc=FOUND.desc, value=1, id="m", role="judge", device="phone 3")
+    world.run(2.0)
+    world.act("pause", "Ben")
+    world.robot.lives(10.0)
+    for command in ("resume", "next_phase"):
+        world.act(command)
+    world.act("mark", "Ben", group=BUMPS.group, desc=BUMPS.desc, added="1", id="n", note="the vase")
+    world.act("note", id="x", role="referee")
+    world.act("withdraw", entry=1, note="other robot")
+    world.robot.lives(3.0)
+    world.act("stop", reason="fire alarm")
+    world.act("start")
+    shown = world.items()
+    assert [(item.kind, item.clock, item.text, item.change, item.points, item.who) for item in shown] == [
+        ("restart", "0:10", "Started again", "", "", "Anna"),
+        ("stop", "0:10", "Benchmark stopped by the referee", "", "", "Anna"),
+        ("note", "0:07", timeline.NO_TEXT, "", "", "Anna"), ("phase", "0:07", "Phase: Search", "", "", "Anna"),
+        ("resume", "0:07", "Clock resumed", "", "", "Anna"), ("mark", "0:07", "bumps", "+1", "−20", "Ben"),
+        ("pause", "0:07", "Clock paused", "", "", "Ben"), ("mark", "0:05", "finds it", "yes", "+80", "Anna"),
+        ("start", "0:00", "Started", "", "", "Anna"), ("connect", "", "Connected", "", "", ""),
+    ]
+    assert len({item.id for item in shown}) == len(shown)
+    found, bumps, stop = shown[7], shown[5], shown[1]
+    assert (found.id, found.number, found.group, found.desc, found.role) == (
+        "mark 1", 1, FOUND.group, FOUND.desc, "Judge")
+    assert (found.state, found.said) == ("withdrawn", f"withdrawn by Anna at {shown[5].time}: other robot")
+    assert (bumps.note, stop.note) == ("the vase", "fire alarm")
+    assert timeline.timeline_line(bumps) == f"{bumps.time}  0:07  bumps +1 (−20): the vase – Ben"
+
+
+def test_a_note_is_made_once_and_its_text_comes_when_somebody_has_time(world):
+    world.act("start")
+    world.run(5.0)
+    world.act("note", id="x")
+    world.run(60.0)
+    world.act("note", "Ben", id="x")  # it arrives again
+    world.act("note", "Ben", id="x", text="missed the door")
+    world.act("note", id="x")  # and again
+    (note,) = [item for item in world.items() if item.kind == "note"]
+    assert (note.clock, note.text, note.who) == ("0:05", "missed the door", "Anna")
+    assert note.said.startswith("text by Ben at ")
+    world.act("disconnect", running=True)
+    world.act("note", number=note.number, text="missed the window")
+    assert [(entry.text, entry.clock_s) for entry in world.entries() if entry.kind == "note"] == [
+        ("missed the window", 5.0)]
+    world.act("sign_off")
+    world.act("note", number=note.number, text="missed the window")  # it arrives again
+    with pytest.raises(Refused, match="it is final"):
+        world.act("note", number=note.number, text="missed nothing")
+    with pytest.raises(Refused, match="it is final"):
+        world.act("note", id="y")
+
+
+def test_neither_notes_nor_starts_fill_the_record(world):
+    for number in range(MAX_NOTES):
+        world.act("note", id=f"{number}")
+    with pytest.raises(Refused, match="has 100 notes"):
+        world.act("note")
+    with pytest.raises(Refused, match="no note 1000"):
+        world.act("note", number=1000, text="x")
+    world.act("start")
+    for _ in range(MAX_HAPPENED):
+        world.act("pause")
+        world.act("resume")
+    assert len(world.entries()) == MAX_NOTES + MAX_HAPPENED
+
+
+def test_changes_within_a_moment_are_one_item_with_the_sum_of_their_points(world):
+    world.act("start")
+    for _ in range(3):
+        world.act("mark", group=BUMPS.group, desc=BUMPS.desc, added="1")
+    assert [(item.change, item.points) for item in world.items() if item.kind == "mark"] == [("+3", "−60")]
