@@ -30,6 +30,7 @@ from roah_rsbb.model.records import (
     SheetVersion,
     SignOff,
     StopRecord,
+    TimelineEntry,
     Waiver,
     submitted,
 )
@@ -124,6 +125,9 @@ HIDDEN: Dict[type, Dict[str, Callable[[Names, Any], Any]]] = {
         "withdrawn_note": Names.text, "device": lambda names, device: names.of("device", device)},
     Rating: {"judge": Names.person},
     ScoreValue: {"value": _module_value},
+    TimelineEntry: {
+        "who": Names.person, "changed_by": Names.person, "text": Names.text,
+        "device": lambda names, device: names.of("device", device)},
     StopRecord: {"who": Names.person, "reason": Names.text, "reason_by": Names.person, "desc": Names.text},
     SignOff: {"who": Names.person},
     SheetVersion: {"why": Names.text},

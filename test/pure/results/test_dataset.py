@@ -205,7 +205,8 @@ def test_each_text_of_a_record_is_hidden_or_of_the_rulebook():
     assert {name: fields for name, fields in shown.items() if fields} == {
         "RunRecord": {"identity", "zone", "benchmark", "end_reason", "event"},
         "ItemRecord": {"group", "desc", "kind", "text", "points", "unit"}, "Rating": {"text"},
-        "ScoreEntry": {"group", "desc", "old_text", "text", "added", "role"}, "GroupPoints": {"name", "points"},
-        "SheetPoints": {"total", "for_team", "inner"}, "ScoreValue": {"group", "name", "unit", "desc"},
-        "StopRecord": {"end_reason"},
+        "ScoreEntry": {"group", "desc", "old_text", "text", "added", "role", "points"},
+        "GroupPoints": {"name", "points"}, "SheetPoints": {"total", "for_team", "inner"},
+        "ScoreValue": {"group", "name", "unit", "desc"},
+        "StopRecord": {"end_reason"}, "TimelineEntry": {"kind", "role", "id"},
         "PhaseTime": {"name"}, "Settlement": {"group", "desc", "text"}, "JudgeAct": {"act"}}
