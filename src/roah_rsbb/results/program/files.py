@@ -25,6 +25,7 @@ from roah_rsbb.results.export import (
     write_mcap,
     write_table,
 )
+from roah_rsbb.results.league_tables import attempts_text, rankings_text, scores_of, scores_text
 from roah_rsbb.results.page import Competition, page, picture_address
 from roah_rsbb.results.paper import blank_front, front_markup
 from roah_rsbb.results.printing import Printer, browser, print_pdf, without_font
@@ -321,13 +322,29 @@ def standings(options: argparse.Namespace) -> int:
     if options.json:
         _write_json(options, exported_standings(ranked, path, as_of))
     _write_page(options, standings_page(ranked, as_of, options.utc, _competition(options)))
-    if not (options.csv or options.json or options.html or options.pdf):
+    if options.tables:
+        _write_tables(options.tables, ranked)
+    if not (options.csv or options.json or options.html or options.pdf or options.tables):
         for standing in ranked:
             for text in standing_lines(standing):
                 print(text)
         if not ranked:
             print("No run has started yet.")
     return 0
+
+
+def _write_text(text: str, file: TextIO) -> None:
+    file.write(text)
+
+
+def _write_tables(directory: str, ranked: Sequence[Standing]) -> None:
+    """Write the standings as RoboCup@Home publishes them."""
+    scores = scores_of(ranked)
+    os.makedirs(directory, exist_ok=True)
+    for name, text in (("scores.csv", scores_text(scores)), ("scores.md", attempts_text(scores)),
+                       ("standings.md", rankings_text(ranked))):
+        _write(os.path.join(directory, name), functools.partial(_write_text, text))
+    print(f"{len(scores)} attempts are in {directory}")
 
 
 def blank(options: argparse.Namespace) -> int:

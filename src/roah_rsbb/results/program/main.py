@@ -59,7 +59,8 @@ without a run. The exit status is 0 only if every event has a signed-off result,
 """
 _TRY = """\
 Computes cases without a box: marks and incidents of a run, several attempts, or the points of teams (docs/results.md,
-"Cases"). FILE is JSON: a case, or a list of cases. The exit status is 1 if a case expects something else.
+"Cases"). FILE is JSON, a case or a list of cases, or the league's scores.csv: an attempt of a team a row. The exit
+status is 1 if a case expects something else.
 """
 _BAG = """\
 Writes a run's log (rosbag) from the journal, also that of a run that is not over. This needs no ROS.
@@ -136,6 +137,7 @@ def _add_views(commands: Any) -> None:
     ranks.add_argument("--json", metavar="FILE")
     ranks.add_argument("--html", metavar="FILE", help="a page that can be printed")
     ranks.add_argument("--pdf", metavar="FILE", help="the same, printed by Chromium if it is installed")
+    ranks.add_argument("--tables", metavar="DIR", help="scores.csv, scores.md and standings.md, as of RoboCup@Home")
     _add_competition(ranks)
     _add_choice(ranks)
     ranks.set_defaults(command="standings", module="files")

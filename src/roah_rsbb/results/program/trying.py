@@ -6,6 +6,7 @@ import os
 from typing import Any, Dict, Mapping
 
 from roah_rsbb.results.cases import CaseAnswer, CaseRules, answer, differences, read_cases, read_folder
+from roah_rsbb.results.league_tables import case_of
 from roah_rsbb.results.runs import NotPossible
 from roah_rsbb.scoring.tree import number_text
 from roah_rsbb.wording.texts import did_you_mean, visible
@@ -16,7 +17,7 @@ DEFAULT = "athome2026"
 
 def try_cases(options: argparse.Namespace) -> int:
     """Print what the cases of a file give."""
-    cases = read_cases(options.file)
+    cases = [case_of(options.file)] if options.file.endswith(".csv") else read_cases(options.file)
     rules: Dict[str, CaseRules] = {}
     answers = [_answer(options, case, rules) for case in cases]
     wrong = [differences(case, found) for case, found in zip(cases, answers)]

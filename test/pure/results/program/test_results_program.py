@@ -470,7 +470,7 @@ def test_standings_and_their_options(run, tmp_path):
 
 def test_standings_as_files(run, tmp_path):
     files = (option for kind in ("csv", "json", "html") for option in (f"--{kind}", tmp_path / f"s.{kind}"))
-    assert run("standings", *files)[0] == 0
+    assert run("standings", *files, "--tables", tmp_path / "tables")[0] == 0
     rows = rows_of((tmp_path / "s.csv").read_text(encoding="utf-8-sig"))
     assert tuple(rows[0]) == export.STANDING_COLUMNS
     assert [(r["rank"], r["team"], r["criterion"], r["number"]) for r in rows[:2]] == [
@@ -479,6 +479,10 @@ def test_standings_as_files(run, tmp_path):
     data = json.loads((tmp_path / "s.json").read_text())
     assert [s["benchmark"] for s in data["standings"]] == ["HGTKMH", "HNF"]
     assert "Beta" in (tmp_path / "s.html").read_text()
+    scores, attempts, stages = ((tmp_path / "tables" / name).read_text("utf-8")
+                                for name in ("scores.csv", "scores.md", "standings.md"))
+    held = [row["Score"] for row in rows_of(scores) if (row["Task"], row["Team"]) == ("HGTKMH", "Beta")]
+    assert "5" in held and attempts.count("| Beta ") == scores.count(",Beta,") and stages == ""  # no rules: no stages
 
 
 # -- paper and the checklist ------------------------------------------------------------------------
