@@ -72,8 +72,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>The name {name} is in use on another device ({device}): type another one. If that is your own earlier pairing, ask an organiser to end it first (Pairing)</source>
-        <translation>Der Name {name} wird schon auf einem anderen Gerät benutzt ({device}): einen anderen eingeben. Ist das die eigene frühere Kopplung, einen Veranstalter bitten, sie zuerst zu beenden (Koppeln)</translation>
+        <source>The name {name} is in use on another device ({device}): type another one. If that is your own earlier pairing, ask an organiser to end it first (Teams)</source>
+        <translation>Der Name {name} wird schon auf einem anderen Gerät benutzt ({device}): einen anderen eingeben. Ist das die eigene frühere Kopplung, einen Veranstalter bitten, sie zuerst zu beenden (Teams)</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -197,8 +197,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Overview</source>
-        <translation>Übersicht</translation>
+        <source>Now</source>
+        <translation>Jetzt</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -207,13 +207,13 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Robots</source>
-        <translation>Roboter</translation>
+        <source>Teams</source>
+        <translation>Teams</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Devices</source>
-        <translation>Geräte</translation>
+        <source>Home devices</source>
+        <translation>Geräte der Wohnung</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -227,8 +227,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Core</source>
-        <translation>Core</translation>
+        <source>Box</source>
+        <translation>Box</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -282,8 +282,68 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Each robot is listed here from its first message, with its link and its clock.</source>
+        <translation>Jeder Roboter steht hier ab seiner ersten Nachricht, mit Verbindung und Uhr.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>This zone has no run yet.</source>
         <translation>Diese Zone hat noch keinen Lauf.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>After Connect, a run is listed here with its score sheet, its history and its sign-off.</source>
+        <translation>Nach Verbinden steht ein Lauf hier, mit Wertungsbogen, Verlauf und Abschluss.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>No phone of a referee is connected</source>
+        <translation>Kein Telefon eines Schiedsrichters ist verbunden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>No more events</source>
+        <translation>Keine weiteren Termine</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Choose or filter</source>
+        <translation>Wählen oder filtern</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>No event is to come. Events of the schedule are listed here, with their estimated times.</source>
+        <translation>Es kommt kein Termin mehr. Termine des Zeitplans stehen hier, mit ihren geschätzten Zeiten.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Open</source>
+        <translation>Öffnen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Show</source>
+        <translation>Zeigen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Nothing waits. Score sheets to sign off, objections and zones without a referee are listed here.</source>
+        <translation>Nichts wartet. Wertungsbögen zum Abschließen, Einsprüche und Zonen ohne Schiedsrichter stehen hier.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Standings</source>
+        <translation>Ranglisten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>No run is signed off yet. Then the teams are ranked here.</source>
+        <translation>Noch kein Lauf ist abgeschlossen. Dann steht hier die Rangfolge der Teams.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Compares the files of the competition with what is in force, and asks before anything changes.</source>
+        <translation>Vergleicht die Dateien des Wettbewerbs mit dem, was gilt, und fragt, bevor sich etwas ändert.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -427,8 +487,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>A code comes from an organiser&apos;s page (Whole box, Pairing), or from &apos;referee pair&apos; in a terminal. It is valid for two minutes, for one device.</source>
-        <translation>Einen Code gibt es auf der Seite eines Veranstalters (Ganze Box, Koppeln) oder mit &apos;referee pair&apos; im Terminal. Er gilt zwei Minuten, für ein Gerät.</translation>
+        <source>A code comes from an organiser&apos;s page (Whole box, Teams), or from &apos;referee pair&apos; in a terminal. It is valid for two minutes, for one device.</source>
+        <translation>Einen Code gibt es auf der Seite eines Veranstalters (Ganze Box, Teams) oder mit &apos;referee pair&apos; im Terminal. Er gilt zwei Minuten, für ein Gerät.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -1370,16 +1430,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/public.py"/>
-        <source>Teams</source>
-        <translation>Teams</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/public.py"/>
-        <source>Standings</source>
-        <translation>Ranglisten</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/public.py"/>
         <source>Referees</source>
         <translation>Schiedsrichter</translation>
     </message>
@@ -1402,11 +1452,6 @@
         <location filename="../../src/roah_rsbb/wording/public.py"/>
         <source>What each display shows</source>
         <translation>Was jede Anzeige zeigt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/public.py"/>
-        <source>No more events</source>
-        <translation>Keine weiteren Termine</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/public.py"/>
@@ -1612,6 +1657,21 @@
         <location filename="../../src/roah_rsbb/wording/schedule.py"/>
         <source>– skipped</source>
         <translation>– übersprungen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/schedule.py"/>
+        <source>Begins</source>
+        <translation>Beginn</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/schedule.py"/>
+        <source>Planned</source>
+        <translation>Geplant</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/schedule.py"/>
+        <source>Benchmark</source>
+        <translation>Benchmark</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/schedule.py"/>
@@ -2394,6 +2454,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Robots</source>
+        <translation>Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>Running</source>
         <translation>Läufe</translation>
     </message>
@@ -2477,6 +2542,21 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Objections to answer</source>
+        <translation>Zu beantwortende Einsprüche</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Items to settle</source>
+        <translation>Zu entscheidende Punkte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Zones without the phone of a referee</source>
+        <translation>Zonen ohne Telefon eines Schiedsrichters</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>No robot is heard</source>
         <translation>Kein Roboter ist zu hören</translation>
     </message>
@@ -2534,11 +2614,6 @@
         <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>OPEN</source>
         <translation>OFFEN</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
-        <source>Open</source>
-        <translation>Öffnen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
@@ -2915,8 +2990,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Home devices</source>
-        <translation>Geräte der Wohnung</translation>
+        <source>Devices</source>
+        <translation>Geräte</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
@@ -3045,6 +3120,11 @@
         <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
         <source>Show {zone} in all panels of this client</source>
         <translation>{zone} in allen Fenstern dieses Clients zeigen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
+        <source>Overview</source>
+        <translation>Übersicht</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
@@ -3225,6 +3305,11 @@
         <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>
         <source>Core Status</source>
         <translation>Core-Status</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>
+        <source>Core</source>
+        <translation>Core</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/whole_box.py"/>

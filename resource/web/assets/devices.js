@@ -25,7 +25,7 @@ function Percentage({one, value, change}) {
 function Device({one, value, isWaiting, change}) {
   const [first, ...others] = one.commands;
   const button = ([text, set]) => html`
-    <button type="button" data-meaning=${text} data-value=${set} aria-label="${one.name}: ${text}" onClick=${() => change(set, text)}>${text}</button>`;
+    <button type="button" class="button" data-meaning=${text} data-value=${set} aria-label="${one.name}: ${text}" onClick=${() => change(set, text)}>${text}</button>`;
   return html`
     <li data-device=${one.device}>
       <strong>${one.name}</strong>

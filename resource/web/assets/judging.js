@@ -89,7 +89,7 @@ export function Reasoned({label, name, act, texts, more = null, isMain = false, 
     <form class="reasoned" data-form=${name} onSubmit=${submit}>
       ${more}
       <label>${texts.reason}<input maxlength="300" required value=${reason} onInput=${(event) => setReason(event.target.value)} /></label>
-      <button class=${isMain && !isOff ? "main" : ""} disabled=${isOff}>${label}</button>
+      <button class="button ${isMain && !isOff ? "next" : ""}" disabled=${isOff}>${label}</button>
     </form>`;
 }
 
@@ -99,7 +99,7 @@ function Value({one, value, set, texts}) {
   const [typed, setTyped] = useState("");
   const pressed = (chosen) => JSON.stringify(value) === JSON.stringify(chosen);
   const button = (label, chosen) => html`
-    <button type="button" aria-pressed=${pressed(chosen)} aria-label="${item.desc}: ${label}" onClick=${() => set(chosen)}>${label}</button>`;
+    <button type="button" class="button" aria-pressed=${pressed(chosen)} aria-label="${item.desc}: ${label}" onClick=${() => set(chosen)}>${label}</button>`;
   const isTyped = !["bool", "choice"].includes(item.type);
   const isWhole = ["bool", "uint", "int"].includes(item.type);
   const chosenBy = (each) => each.not_attempted ? {not_attempted: true} : isWhole ? {value: each.value} : {text: each.text};
@@ -112,7 +112,7 @@ function Value({one, value, set, texts}) {
   return html`
     <div class="controls given">
       ${one.given.map((each) => html`
-        <button type="button" aria-pressed=${pressed(chosenBy(each))} onClick=${() => set(chosenBy(each))}>
+        <button type="button" class="button" aria-pressed=${pressed(chosenBy(each))} onClick=${() => set(chosenBy(each))}>
           <span>${each.judge}</span> <strong>${each.shown}</strong></button>`)}
     </div>
     ${isTyped && html`<label>${texts.value.replace("{item}", () => item.desc)}
@@ -146,7 +146,7 @@ function Judged({one, settle, texts}) {
       ${one.outcome === "differs" || isOpen ? html`
         <${Reasoned} name="settle" label=${texts.settle} act=${act} texts=${texts} isMain isOff=${value === null}
           more=${html`<${Value} one=${one} value=${value} set=${setValue} texts=${texts} />`} />`
-        : html`<button type="button" onClick=${() => setOpen(true)}
+        : html`<button type="button" class="button" onClick=${() => setOpen(true)}
             aria-label="${texts.settle}: ${item.desc}">${texts.settle} …</button>`}
     </li>`;
 }
@@ -161,7 +161,7 @@ function Objections({run, objections, give, texts}) {
       <p>${texts.objection_time}</p>
       <div class="controls objection-time">
         ${texts.objection_times.map(([value, text]) => html`
-          <button type="button" aria-pressed=${value === seconds} onClick=${() => setSeconds(value)}>${text}</button>`)}
+          <button type="button" class="button" aria-pressed=${value === seconds} onClick=${() => setSeconds(value)}>${text}</button>`)}
       </div>
       <${Twice} name="publish" label=${texts.publish} question=${texts.really}
         reasons=${run.off.publish ? [run.off.publish] : []} act=${() => ask("publish", texts.publish, {seconds})} />

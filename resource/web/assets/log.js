@@ -56,9 +56,9 @@ export function Log({data, texts}) {
         onKeyDown=${(event) => event.key === "Enter" && setAt(at + (event.shiftKey ? -1 : 1))} /></label>
     </div>
     ${sought && html`
-      <div class="controls"><button type="button" data-meaning="before" onClick=${() => setAt(at - 1)}>▲</button>
+      <div class="controls"><button type="button" class="button" data-meaning="before" onClick=${() => setAt(at - 1)}>▲</button>
         <p role="status">${texts.matches.replace("{number}", () => matches.length)}</p>
-        <button type="button" data-meaning="after" onClick=${() => setAt(at + 1)}>▼</button></div>`}
+        <button type="button" class="button" data-meaning="after" onClick=${() => setAt(at + 1)}>▼</button></div>`}
     ${lines.length === 0 && html`<p class="nothing">${name === "log" ? texts.no_log : texts.no_online}</p>`}
     <ol class="log" tabindex="0" aria-label=${texts[name === "log" ? "part_log" : "online"]} ref=${view} onScroll=${onScroll}>${lines.map((line, number) => html`
       <li class="${LEVEL.test(line) ? "warned" : ""} ${matches.includes(number) ? "found" : ""} ${number === current ? "now" : ""}">${line}</li>`)}</ol>`;

@@ -74,7 +74,7 @@ export function Pairings({zone, zones, texts}) {
       ${select(texts.may_act_as, role, ROLES.map((one) => [one, texts[`role_${one}`]]), setRole)}
       ${role !== "organiser" && select(texts.zone, chosen, names.map((name) => [name, name]), setPlace)}
     </div>
-    <div class="controls"><button type="button" class="main" data-command="new_code" onClick=${make}>${texts.new_code}</button></div>
+    <div class="controls"><button type="button" class="button next" data-command="new_code" onClick=${make}>${texts.new_code}</button></div>
     ${made && html`<${Code} key=${made.code} made=${made} texts=${texts} />`}
     <h2>${texts.paired_devices}</h2>
     <ul class="unsigned">${devices.map((one) => html`

@@ -25,7 +25,7 @@ const {strip} = window;  // STOP: see stop.js
 const IS_BOX = location.pathname === "/box";  // the page of the whole box: with parts, of which one is open
 const OWN = "zone";  // the part that the referee's page consists of
 const state = {session: undefined, live: null, known: null, said: "", place: "", marks: null, tick: null, isChoosing: false,
-  part: IS_BOX && parameters.get("part") || OWN,
+  part: IS_BOX ? parameters.get("part") || "overview" : OWN,
   shown: "",  // the zone that was shown last
   gone: "",  // that a zone is gone, until the reader touches the page
   isEnded: false};  // the box was ended here, and is not heard again yet
@@ -455,11 +455,11 @@ function openZone(name) {
   choose(false);
 }
 
-// The zone's own part: commands, score sheet.
-function openInZone(name) {
-  state.part = OWN;
-  parameters.set("part", OWN);
-  openZone(name);
+// A part of a zone, such as its own: commands, score sheet.
+function openInZone(name, part = OWN) {
+  state.part = part;
+  parameters.set("part", part);
+  openZone(name || state.zone);
 }
 
 // The box ends.
@@ -591,7 +591,7 @@ function Page() {
     ${zones && zones.length > 1 && part(texts.all_zones, html`<${Others} zones=${zones} zone=${zone} texts=${texts} />`)}
     ${part("⚠", html`<${Urgent} zone=${zone} zones=${zones} />`)}
     ${zones && state.isChoosing && part("…", html`<${Zones} zones=${zones} texts=${texts} />`)}
-    ${IS_BOX && part("nav", html`<${Nav} session=${session} part=${state.part} open=${openPart} texts=${texts} />`)}
+    ${IS_BOX && part("nav", html`<${Nav} session=${session} part=${state.part} open=${openPart} texts=${texts} zones=${zones} />`)}
     ${zone && state.part !== OWN ? html`
       <fieldset disabled=${isOld} class="all whole">${part(texts[`part_${state.part}`], html`
         <${Part} key=${state.part} part=${state.part} data=${data[`part.${state.part}`]} zone=${zone} zones=${data["page.zones"]}

@@ -48,7 +48,7 @@ function WholeSheet({zone, run, marks, texts, undo, give, isFixed, hasItems}) {
   }, [isOpen, run.revision]);
   const enter = (name, label, more) => give(name, texts, label, {identity: run.identity, ...more});
   return html`
-    <button type="button" data-command="correct" aria-expanded=${isOpen} onClick=${() => setOpen(!isOpen)}>
+    <button type="button" class="button" data-command="correct" aria-expanded=${isOpen} onClick=${() => setOpen(!isOpen)}>
       ${isOpen ? texts.close : hasItems ? texts.correct : texts.sheet}</button>
     ${isOpen && trouble && html`<p class="alarm" role="alert">${trouble}</p>`}
     ${isOpen && sheet && html`
@@ -84,7 +84,7 @@ function Asked({name, label, texts, act}) {
     return isDone;
   };
   return isOpen ? html`<${Reasoned} name=${name} label=${label} texts=${texts} act=${done} />`
-    : html`<button type="button" data-command=${name} onClick=${() => setOpen(true)}>${label} …</button>`;
+    : html`<button type="button" class="button" data-command=${name} onClick=${() => setOpen(true)}>${label} …</button>`;
 }
 
 // Names and values.

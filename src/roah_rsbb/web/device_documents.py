@@ -26,10 +26,10 @@ from roah_rsbb.model.document import Document
 from roah_rsbb.model.messages import DevicesSeen
 from roah_rsbb.model.results import EventSeen, JudgedRun, Judging, RunLine, RunSheet, RunTimeline
 from roah_rsbb.model.scoring import INCIDENTS
-from roah_rsbb.model.zone import RUNNING, Count, RunClock, SheetItem, ZoneSeen
+from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, RUNNING, Count, RunClock, SheetItem, ZoneSeen
 from roah_rsbb.protocol import wire_seconds
 from roah_rsbb.web.numbered import Key, Numbered, NumberedDocument
-from roah_rsbb.web.pairing import JUDGE, Grant
+from roah_rsbb.web.pairing import JUDGE, REFEREE, DeviceSession, Grant
 from roah_rsbb.web.public_documents import FIXED_TEXTS, Data, Store
 from roah_rsbb.wording import judging, public, schedule, sheets, stop, times, todo, whole_box
 from roah_rsbb.wording.language import number, tr, tr_said
@@ -87,7 +87,9 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
         "steps": sheets.steps_text(zone.points),
         "unsigned": [_unsigned_run(run, moments, utc_s) for run in unsigned],
         "unlisted": len(waiting) - len(unsigned),
-        "judging": [_judging(judgings[run.identity], run, moments, utc_s) for run in runs
+        # First that of the run in the zone, so that no judge takes another one for it.
+        "judging": [_judging(judgings[run.identity], run, moments, utc_s)
+                    for run in sorted(runs, key=lambda run: run.identity != zone.identity)
                     if run.identity in judgings and (run.closed_utc_s is None or run in unsigned)],
     }
 
@@ -162,8 +164,7 @@ def item_page(item: SheetItem) -> Data:
 
 
 def _unsigned_run(run: RunLine, moments: Moments, utc_s: float) -> Data:
-    when = moments.scheduled(run.opened_utc_s, utc_s)
-    return {"identity": run.identity, "revision": run.revision, "title": f"{when}  {run_name(run)}",
+    return {"identity": run.identity, "revision": run.revision, "title": _timed_name(run, moments, utc_s),
             "end": with_counting(sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason), run.counts),
             "score": tr_said(run.score)}
 
@@ -171,6 +172,11 @@ def _unsigned_run(run: RunLine, moments: Moments, utc_s: float) -> Data:
 def run_name(run: RunLine) -> str:
     """Return the name of a run."""
     return sheets.run_name(run.code, run.team, run.round, run.run)
+
+
+def _timed_name(run: RunLine, moments: Moments, utc_s: float) -> str:
+    """Two attempts have the same name, but not the same time."""
+    return f"{moments.scheduled(run.closed_utc_s or run.opened_utc_s, utc_s)}  {run_name(run)}"
 
 
 # -- several judges ---------------------------------------------------------------------------------
@@ -181,7 +187,7 @@ def run_name(run: RunLine) -> str:
 def _judging(one: Judging, run: RunLine, moments: Moments, utc_s: float) -> Data:
     """Return how far the judges and the result of a run are."""
     return {
-        "identity": one.identity, "revision": one.revision, "title": run_name(run),
+        "identity": one.identity, "revision": one.revision, "title": _timed_name(run, moments, utc_s),
         "off": judging.off(one, run.closed_utc_s is not None), "count": one.count, "missing": one.missing,
         "is_complete": one.complete,
         "waiver": one.waiver, "differences": one.differences,
@@ -212,7 +218,7 @@ def side_by_side(run: JudgedRun) -> Data:
 
 OVERVIEW, SCHEDULE, ROBOTS, RUNS, LOG, BOX = "overview", "schedule", "robots", "runs", "log", "box"
 # The newest of each; of the schedule, those around the current events.
-MAX_EVENTS, MAX_ROBOTS, MAX_RUNS, MAX_HISTORY = 200, 200, 50, 200
+MAX_EVENTS, MAX_ROBOTS, MAX_RUNS, MAX_HISTORY, MAX_COMING = 200, 200, 50, 200, 16
 # Characters of the log that are sent at once. The page keeps what came before.
 MAX_LOG = 6000
 _MOMENTS = Moments(False)
@@ -226,6 +232,7 @@ class PartShown(NamedTuple):
     own: str  # the only one in which the device may act; empty: all
     now: Now
     links: LinkQuality
+    people: Sequence[DeviceSession] = ()  # with devices that are connected
 
     @property
     def second(self) -> int:
@@ -253,17 +260,59 @@ def may_show(part: str, grant: Grant) -> bool:
 
 
 def _overview(shown: PartShown) -> Data:
-    return {"zones": [_tile(zone, shown.now.mono) for zone in shown.zones()]}
+    events = [event for event in shown.document.events() if event.state in schedule.TO_COME]
+    several_days = len({schedule.day_of(event) for event in events[:MAX_COMING]}) > 1
+    return {"zones": [_tile(zone, events, shown) for zone in shown.zones()], "open": _open(shown),
+            "coming": [_event(event, [], several_days) for event in events[:MAX_COMING]],
+            "standings": _standings(shown.document)}
 
 
-def _tile(zone: ZoneSeen, mono: float) -> Data:
-    task, event = todo.todo(zone), zone.event
+def _tile(zone: ZoneSeen, coming: Sequence[EventSeen], shown: PartShown) -> Data:
+    task, event, clock = todo.todo(zone), zone.event, zone.clock
+    after = next((one for one in coming if one.zone == zone.zone and not one.current), None)
     return {
         "zone": zone.zone, "team": event.team, "event": f"{event.code} · {sheets.turn(event.round, event.run)}",
-        "phase": zone.phase, "phase_text": sheets.marked_phase(zone.phase, zone.end_reason),
-        "clock": clock_page(zone, mono), "todo": task.text,
-        "is_urgent": is_urgent(task), "more": task.more,
+        "phase": zone.phase, "phase_text": sheets.phase(zone.phase, zone.end_reason),
+        "look": sheets.look(zone.phase, zone.end_reason),
+        "clock": clock_page(zone, shown.now.mono),
+        "used": min(1.0, clock.elapsed.at(shown.now.mono) / clock.limit) if clock.limit and zone.phase != IDLE else 0.0,
+        "todo": task.text, "is_urgent": is_urgent(task), "more": task.more,
+        "people": ", ".join(f"{one.person} ({sheets.role_word(one.grant.role)})" for one in shown.people
+                            if one.grant.zone == zone.zone),
+        "next": after and _event(after, [], False),
     }
+
+
+def _open(shown: PartShown) -> List[Data]:
+    """Return what waits for somebody: how much, of what, and the part of a zone where it is done."""
+    document, zones = shown.document, shown.zones()
+    runs = {run.identity: run for run in document.runs() if run.zone in {zone.zone for zone in zones}}
+    unsigned = [run for run in runs.values() if run.closed_utc_s is not None and run.signed_utc_s is None]
+    judgings = [one for one in document.judging.values() if one.identity in runs]
+    alone = [zone.zone for zone in zones
+             if not any(one.grant.role == REFEREE and one.grant.allows(zone.zone) for one in shown.people)]
+
+    def judged(number: Callable[[Judging], int], what: str) -> List[Data]:
+        return of_runs(sum(map(number, judgings)), what, [runs[one.identity] for one in judgings if number(one)])
+
+    def of_runs(count: int, what: str, found: Sequence[RunLine]) -> List[Data]:
+        return [{"count": count, "what": tr(what), "more": _timed_name(found[-1], _MOMENTS, shown.now.utc),
+                 "part": RUNS, "zone": found[-1].zone}] if count else []
+
+    return [
+        *of_runs(len(unsigned), whole_box.TO_SIGN, unsigned),  # the last one is the oldest
+        *judged(lambda one: one.open_objections, whole_box.TO_ANSWER),
+        *judged(lambda one: one.differences, whole_box.TO_SETTLE),
+        *([{"count": len(alone), "what": tr(whole_box.ALONE), "more": ", ".join(alone), "part": ROBOTS,
+            "zone": alone[0]}] if alone else []),
+    ]
+
+
+def _standings(document: Document) -> List[Data]:
+    """Return the standings as tables."""
+    return [{"title": one.benchmark, "columns": list(one.criteria), "notes": [tr_said(note) for note in one.notes],
+             "rows": [[rank.rank, rank.team, *map(number, rank.numbers)] for rank in one.ranks]}
+            for one in document.public.standings]
 
 
 # -- the schedule -----------------------------------------------------------------------------------
@@ -300,9 +349,14 @@ def _event(event: EventSeen, current: List[EventSeen], several_days: bool) -> Da
         # An estimate has a mark that distinguishes it from a fact.
         "begins": begins if has_begun or not begins else f"~ {begins}", "late": schedule.delay_text(event.late_s),
         "state": schedule.state_text(event), "score": tr_said(event.score), "sheet": schedule.sheet_text(event),
-        "current": event.current, "off": schedule.why_not(current, event),
+        "current": event.current, "look": _look_of_event(event), "off": schedule.why_not(current, event),
         "shows": [show.value for show in schedule.Show if schedule.EventFilter(show=show).shows(event)],
     }
+
+
+def _look_of_event(event: EventSeen) -> str:
+    return sheets.look({"done": ENDED, "next": IDLE, "later": IDLE, "skipped": IDLE}.get(event.state, event.state),
+                       event.end_reason)
 
 
 def _event_name(event: EventSeen) -> str:
@@ -322,7 +376,12 @@ def _robots(shown: PartShown) -> Data:
 
 def _runs(shown: PartShown) -> Data:
     runs = [run for run in shown.document.runs() if run.zone == shown.zone]
-    return {"hidden": max(0, len(runs) - MAX_RUNS), "runs": [_run(run, shown) for run in runs[:MAX_RUNS]]}
+    return {"hidden": max(0, len(runs) - MAX_RUNS), "runs": [_run(run, shown) for run in runs[:MAX_RUNS]],
+            "standings": _standings(shown.document)}
+
+
+def _look_of(run: RunLine) -> str:
+    return sheets.look(ENDED if run.end_reason else RUNNING if run.started_utc_s else CONNECTED, run.end_reason)
 
 
 def _run(run: RunLine, shown: PartShown) -> Data:
@@ -332,7 +391,7 @@ def _run(run: RunLine, shown: PartShown) -> Data:
         sheets.sheet_state(run.closed_utc_s, None))
     return {
         "identity": run.identity, "revision": run.revision,
-        "title": f"{_MOMENTS.scheduled(run.closed_utc_s or run.opened_utc_s, shown.now.utc)}  {run_name(run)}",
+        "title": _timed_name(run, _MOMENTS, shown.now.utc), "look": _look_of(run),
         "end": with_counting(sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason), run.counts),
         "score": tr_said(run.score), "sheet": "; ".join([*([f"⚠ {tr(sheets.NOT_SAVED)}"] if unsaved else []),
                             *([tr(sheets.CORRECTED)] if run.corrected else []), sheet]),
@@ -426,7 +485,8 @@ PARTS: Dict[str, _Part] = {
     SCHEDULE: _Part(lambda shown: (shown.document.schedule, shown.document.box.zones, _leaving(shown)), _schedule),
     ROBOTS: _Part(lambda shown: shown.second, _robots),
     RUNS: _Part(lambda shown: (
-        shown.document.results, shown.document.judging, shown.document.box.unsaved, _day(shown)), _runs),
+        shown.document.results, shown.document.judging, shown.document.box.unsaved, shown.document.public.standings,
+        _day(shown)), _runs),
     LOG: _Part(lambda shown: shown.second, _log),
     BOX: _Part(lambda shown: shown.second, _box),
 }
@@ -456,9 +516,10 @@ NO_STOP: Key = (STOP,)  # of devices that may stop nothing
 class Desk(Numbered):
     """The documents for devices. The fixed texts of pages are those of the store."""
 
-    def __init__(self, store: Store) -> None:
+    def __init__(self, store: Store, people: Callable[[], Sequence[DeviceSession]] = tuple) -> None:
+        """`people`: with devices that are connected."""
         super().__init__(store.box, store.session)
-        self._store = store
+        self._store, self._people = store, people
         self._shown: Set[Key] = set()  # see `show`
         self._links = LinkQuality()
         self._put(NO_STOP, stop_page([], False))
@@ -500,7 +561,7 @@ class Desk(Numbered):
                 self._make(document, language, name, now)
         for language, name, part, own in (key for key in self._shown if len(key) > 2):
             key, shown = (part_name(part), language, name, own), PartShown(
-                document, name, own, now, self._links)
+                document, name, own, now, self._links, self._people())
             if self.box.is_old and key in self._made_of:
                 continue  # its clocks stop
             with self._store.speaking(language):

@@ -46,7 +46,7 @@ _KINDS = {"box": " device referee"}
 # The style sheets of a page. A page that is not here has the old one.
 # To do: take the old one out when all pages have the parts.
 _PARTS = ("tokens", "dark", "parts")
-_STYLES: Dict[str, Tuple[str, ...]] = {}
+_STYLES: Dict[str, Tuple[str, ...]] = {"box": ("pages", *_PARTS, "stop", "box")}
 _MEDIA = {"dark": ' media="(prefers-color-scheme: dark)"'}
 PAGES_OF_DEVICES = ("pair", *PAGES_WITH_STOP, "displays", "codes")
 PAGES = (*DISPLAYS, *PAGES_OF_DEVICES)
@@ -95,7 +95,7 @@ class WebServer:
         self.rates = Rates()
         self.codes = Codes()
         self.sessions = sessions or Sessions(lambda records: None)
-        self.desk = Desk(store)
+        self.desk = Desk(store, self.people)
         self.team_codes = team_codes or TeamCodes(lambda secret: None, {})
         self.team_pages = team_pages
         self.team_guesses = Guesses(TOO_MANY_TEAM_GUESSES)
@@ -230,6 +230,11 @@ class WebServer:
             "name": self.displays.name(display_id),
             "shows_name": self.displays.are_named(self.now()),
         })
+
+    def people(self) -> List[DeviceSession]:
+        """Return the sessions whose devices are connected."""
+        connected = self.connected()
+        return [session for session in self.sessions.listed(self.utc()) if session.id in connected]
 
     def connected(self) -> Set[str]:
         """Return the ids of the sessions whose devices are connected."""

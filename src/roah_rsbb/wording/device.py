@@ -14,7 +14,7 @@ WRONG_CODE = tr_later("This code is wrong, was used, or is older than two minute
 TOO_MANY_DEVICES = tr_later("Too many devices are paired: end some pairings first")
 NO_NAME = tr_later("Type your name: it is recorded with everything that you enter")
 NAME_IN_USE = tr_later("The name {name} is in use on another device ({device}): type another one. If that is your own "
-                       "earlier pairing, ask an organiser to end it first (Pairing)")
+                       "earlier pairing, ask an organiser to end it first (Teams)")
 NOT_SAVED = tr_later("The pairing cannot be saved ({error}): free or repair the disk of log_dir")
 ENDED_NOT_SAVED = say("Ended, but not saved ({error}): it would be valid again after a restart. Free or repair the "
                       "disk of log_dir, and try again")
@@ -69,12 +69,22 @@ def page_words() -> Dict[str, Any]:
     return {
         **tr_words(
             # the whole box
-            whole_box="Whole box", part_zone="Zone", part_overview="Overview", part_schedule="Schedule",
-            part_robots="Robots", part_devices="Devices", part_runs="Results", part_log="Log", part_box="Core",
+            whole_box="Whole box", part_zone="Zone", part_overview="Now", part_schedule="Schedule",
+            part_robots="Teams", part_devices="Home devices", part_runs="Results", part_log="Log", part_box="Box",
             part_pairings="Pairing", team="Team", all_teams="All teams", day="Day", all_days="All days",
             all_events="All events", no_events="No event fits these filters.", choose_event="Choose this event",
             leave_unsigned="{run} is not signed off. Its score sheet stays in Results.",
-            hidden="{number} more are not shown", no_robot=whole_box.NO_ROBOT, no_runs="This zone has no run yet.",
+            hidden="{number} more are not shown", no_robot=whole_box.NO_ROBOT,
+            no_robot_how="Each robot is listed here from its first message, with its link and its clock.",
+            no_runs="This zone has no run yet.",
+            no_runs_how="After Connect, a run is listed here with its score sheet, its history and its sign-off.",
+            no_phone="No phone of a referee is connected", no_more_events="No more events",
+            choose_or_filter="Choose or filter", nothing_to_come=(
+                "No event is to come. Events of the schedule are listed here, with their estimated times."),
+            open="Open", look_at="Show", nothing_open=(
+                "Nothing waits. Score sheets to sign off, objections and zones without a referee are listed here."),
+            standings="Standings", no_standings="No run is signed off yet. Then the teams are ranked here.",
+            reload_how="Compares the files of the competition with what is in force, and asks before anything changes.",
             history="History", ends="Ends", withdraw=ENTRIES["withdraw"].label, in_time=ENTRIES["in_time"].label,
             late=sheets.LATE, steps="How the points came about",
             still_connected="The run is still connected. Disconnect it first.", shown_text="Text", search="Search",
@@ -94,7 +104,7 @@ def page_words() -> Dict[str, Any]:
             # pairing, teams and displays
             role_in_zone="{role} in {zone}", role_everywhere="{role}, all zones", pair_title="Pair this device",
             pair_how=(
-                "A code comes from an organiser's page (Whole box, Pairing), or from 'referee pair' in a terminal. It "
+                "A code comes from an organiser's page (Whole box, Teams), or from 'referee pair' in a terminal. It "
                 "is valid for two minutes, for one device."),
             code="Code", your_name="Your name", this_device="This device", pair="Pair", paired_as="Paired: {role}",
             end_pairing="End the pairing of this device", not_encrypted=NOT_ENCRYPTED, referee_page="Referee's page",
@@ -162,6 +172,7 @@ def page_words() -> Dict[str, Any]:
         ),
         "continue": tr("▶ Start again"), **{f"role_{name}": tr(text) for name, text in sheets.ROLES.items()},
         "schedule_shows": [[show.value, tr(show.value)] for show in schedule.Show if show is not schedule.Show.ALL],
+        "schedule_columns": [tr(column) for column in schedule.COLUMNS],
         "robot_columns": [tr(column) for column in whole_box.ROBOT_COLUMNS],
         "robot_explanations": list(whole_box.column_explanations().values()),
         "key_list": [[tr(key), tr(text)] for key, text in KEYS],

@@ -18,8 +18,11 @@ _STATES = {
     "connected": tr_later("● connected"), "running": tr_later("▶ running"), "ended": tr_later("■ ended"),
     "next": tr_later("→ next"), "later": tr_later("later"), "skipped": tr_later("– skipped"),
 }
-_TO_COME = ("connected", "running", "ended", "next", "later")
+TO_COME = ("connected", "running", "ended", "next", "later")
 _IN_ZONE = ("connected", "running", "ended")
+
+COLUMNS = (tr_later("Begins"), tr_later("Planned"), tr_later("Team"), tr_later("Benchmark"), tr_later("Zone"),
+           tr_later("State"))
 
 
 # -- words ------------------------------------------------------------------------------------------
@@ -61,7 +64,7 @@ def summary(events: Sequence[EventSeen]) -> str:
     counts = (
         (sum(bool(event.identity) and not event.unsigned for event in events), tr(sheets.SIGNED_OFF)),
         (unsigned, tr(sheets.NOT_SIGNED_OFF)),
-        (sum(event.state in _TO_COME and not event.identity and not event.unsigned for event in events), tr("to come")),
+        (sum(event.state in TO_COME and not event.identity and not event.unsigned for event in events), tr("to come")),
         (sum(event.state == "skipped" for event in events), tr("skipped")),
     )
     return "  ·  ".join(f"{count} {what}" for count, what in counts if count) or tr("no events")
@@ -97,7 +100,7 @@ class EventFilter(NamedTuple):
 
 _SHOWN: Dict[Show, Callable[[EventSeen], bool]] = {
     Show.ALL: lambda event: True,
-    Show.TO_COME: lambda event: event.state in _TO_COME,
+    Show.TO_COME: lambda event: event.state in TO_COME,
     Show.UNSIGNED: lambda event: event.unsigned,
     Show.MISSING: lambda event: event.unsigned or not event.identity,
 }

@@ -110,7 +110,7 @@ def test_parts_are_in_the_language_of_the_reader(world):
 
 def test_the_overview_has_each_clock_and_what_needs_attention(world):
     home, hall = world.part("overview")["zones"]
-    assert (home["zone"], home["team"], home["phase_text"]) == ("Home", "Alpha", "▶ RUNNING")
+    assert (home["zone"], home["team"], home["phase_text"]) == ("Home", "Alpha", "RUNNING")
     assert home["clock"]["main"] == {"label": "Run: time left", "text": "9:50", "hurry": 0}
     assert home["is_urgent"] and home["todo"] == "No message from the robot for 3 s"
     world.box.mono += 0.5
@@ -122,6 +122,24 @@ def test_the_overview_has_each_clock_and_what_needs_attention(world):
     world.box.is_old = True
     world.box.mono += 60.0
     assert world.again("overview")["zones"][0]["clock"]["main"]["text"] == "9:49", "nothing is known of a silent box"
+
+
+def test_the_overview_lists_what_waits_for_somebody_and_what_comes(world):
+    phone = DeviceSession("1", REFEREE, "Rita", "iPhone", NOW)
+    world.desk = Desk(Store(world.box, GERMAN), lambda: [phone])
+    runs = [run_of(1), run_of(2), run_of(3, signed_utc_s=NOW), run_of(1, "Hall", closed_utc_s=None)]
+    judging = {"Home 2": Judging("Home", "Home 2", differences=2, open_objections=1)}
+    events = [event_of(1, state="running", current=True), event_of(2, begins_utc_s=NOW + 2000.0),
+              event_of(3, state="done")]
+    shown = world.part("overview", results={one.identity: one for one in runs}, judging=judging,
+                       schedule={one.id: one for one in events})
+    assert [(one["count"], one["what"], one["part"], one["zone"]) for one in shown["open"]] == [
+        (2, "Score sheets to sign off", "runs", "Home"), (1, "Objections to answer", "runs", "Home"),
+        (2, "Items to settle", "runs", "Home"), (1, "Zones without the phone of a referee", "robots", "Hall")]
+    assert shown["open"][0]["more"].endswith("HWV, team Alpha, round 1, run 1"), "the oldest one"
+    assert [one["people"] for one in shown["zones"]] == ["Rita (Referee)", ""]
+    assert [one["id"] for one in shown["coming"]] == ["Home 1", "Home 2"]
+    assert shown["zones"][0]["next"]["late"] == "+13 min" and shown["zones"][1]["next"] is None
 
 
 def test_the_schedule_says_why_an_event_cannot_be_chosen_and_what_is_left(world):

@@ -209,7 +209,8 @@ def test_a_result_without_judges_can_be_published(desk):
     assert [run["identity"] for run in data(desk)["unsigned"]] == [*listed, last]
     assert data(desk)["unlisted"] == 1 and len(listed) > 13, "the page counts all"
     shown = {run["identity"]: run for run in data(desk)["judging"]}
-    assert list(shown) == ["judged", *listed, last]
+    listed.remove("run 1")
+    assert list(shown) == ["run 1", "judged", *listed, last], "that in the zone is the first one"
     new, old = shown["run 0"], shown[last]
     assert (new["count"], new["revision"], new["publication"]) == (0, 0, "")
     assert not new["off"]["publish"] and new["off"]["object"] == "The result is not published yet"

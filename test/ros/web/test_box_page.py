@@ -19,7 +19,7 @@ SHOTS = pathlib.Path(__file__).resolve().parents[3] / "build" / "screenshots"
 HOME, HALL = "Home", "Hall"
 PHONE, LOW, LAPTOP, LARGE = (360, 640), (900, 500), (1280, 720), (1920, 1080)
 TEXT = "document.body.innerText"
-PARTS = ("zone", "overview", "schedule", "robots", "devices", "runs", "log", "box", "pairings")
+PARTS = ("overview", "zone", "schedule", "runs", "robots", "log", "box")
 # Times in more lines than they have texts or beside their column, and buttons whose text has no space around it.
 CRAMPED = """[...document.querySelectorAll(".event .when > *, .stopall")].filter(node => {
   const range = document.createRange(), inner = node.getBoundingClientRect();
@@ -94,6 +94,7 @@ class TestBoxPage(NeedsBrowser):
         self.ended()
         page = self.opened("overview")
         page.wait("document.querySelector('[data-zone=Home]').textContent.includes('ENDED: stopped')", "its phase")
+        page.wait("document.querySelector('.rows').textContent.startsWith('2Zones without the phone')", "what waits")
         self.press(page, "[data-zone=Hall]")
         page.wait("document.querySelector('.who .zones').textContent.startsWith('Hall')", "the zone is chosen")
         page.wait("document.querySelector('.commands') !== null", "its commands are shown")
@@ -113,8 +114,8 @@ class TestBoxPage(NeedsBrowser):
     def test_an_event_is_not_chosen_while_a_run_is_connected(self) -> None:
         self.running()
         page = self.opened("schedule", "referee", HOME)
-        self.assertEqual(page.get("[...document.querySelectorAll('.parts button')].map(one => one.dataset.part)"),
-                         ["zone", "schedule", "robots", "runs", "log", "box"])
+        self.assertEqual(page.get("[...document.querySelectorAll('.tabs button')].map(one => one.dataset.part)"),
+                         ["zone", "schedule", "runs", "robots", "log", "box"])
         page.wait("document.querySelectorAll('.event').length === 3", "those of the own zone")
         self.press(page, ".event:last-child > button")
         page.wait(f"{TEXT}.includes('A run is running in Home. Stop it first.')", "why")
@@ -186,7 +187,7 @@ class TestBoxPage(NeedsBrowser):
         self.assertIsNone(page.get("document.querySelector('[data-command=apply]')"))
 
     def test_home_devices_are_shown_and_operated(self) -> None:
-        page = self.opened("devices")
+        page = self.opened("box")
         row = "document.querySelector('[data-device={}]')"
         page.wait(f"{TEXT}.includes('● connected')", "the controller is connected")
         self.press(page, '[data-device=switch_2] [data-value="1"]')
@@ -213,7 +214,7 @@ class TestBoxPage(NeedsBrowser):
         wait_until(lambda: report in self.box.controlled, lambda: f"{report}; {self.box.controlled}")
 
     def test_quick_changes_of_devices_are_sent_one_by_one_and_the_last_one_counts(self) -> None:
-        page = self.opened("devices")
+        page = self.opened("box")
         page.wait("document.querySelector('[data-device=blinds] [data-value]') !== null", "the devices are shown")
         page.wait("document.querySelector('[data-changed]') === null", "all buttons are on")
         page.get("""window.open_ = 0, window.most = 0, window.sent = [],
@@ -232,16 +233,15 @@ class TestBoxPage(NeedsBrowser):
         page.wait("document.querySelector('[data-device=blinds]').innerText.includes('100 % …')", "it waits")
         page.get("go(), 0")
         self.wait_controlled("blinds is set to 100")
-        page.wait(f"!{TEXT}.includes('…')", "all are confirmed")
+        page.wait("!document.querySelector('.devices').innerText.includes('…')", "all are confirmed")
         self.assertEqual(page.get("sent"), ["switch_1 1", "switch_1 0", "blinds 100"])
         self.assertEqual(page.get("most"), 1, "STOP needs connections of the browser, too")
 
     def test_a_box_without_home_devices_says_so(self) -> None:
         self.box = ServedBox(self.schedule.parent / "other", schedule_file=str(self.schedule))
         self.addCleanup(self.box.close)
-        page = self.opened("devices")
-        page.wait("document.querySelector('.part .nothing').textContent === "
-                  "'this box controls no home devices: start it with devices:=true'", "the page says so")
+        page = self.opened("box")
+        page.wait(f"{TEXT}.includes('this box controls no home devices: start it with devices:=true')", "it says so")
 
     def test_the_box_is_ended_after_a_question_that_names_the_runs(self) -> None:
         self.running()
@@ -260,7 +260,7 @@ class TestBoxPage(NeedsBrowser):
         page.wait("document.querySelector('fieldset:not(:disabled)') !== null", "another box is shown")
 
     def test_a_device_is_paired_and_its_pairing_ended(self) -> None:
-        page = self.opened("pairings")
+        page = self.opened("robots")
         self.press(page, "[data-command=new_code]")
         page.wait("document.querySelector('.code code') !== null", "a code is shown")
         self.assertEqual(page.get("document.querySelector('.square') === null"), False, "python3-qrcode is installed")
