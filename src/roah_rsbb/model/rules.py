@@ -35,6 +35,7 @@ class Measure(enum.Enum):
     YES = "yes or no"
     COUNT = "count"
     NUMBER = "number"  # also with decimals, and below zero
+    WHOLE = "whole number"  # also below zero
     PERCENT = "percent"  # how much of it; several marks are several times, each with its percentage
     POINTS = "points"  # the points themselves
     CHOICE = "choice"

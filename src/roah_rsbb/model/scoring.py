@@ -17,10 +17,16 @@ MAX_NUMBER = 1_000_000
 MAX_DECIMALS = 3
 # `int32` on the ROS interface.
 MAX_VALUE = 2**31 - 1
-# The name under which a sheet lists the bonus for the time left, as if it were a group.
-TIME_LEFT = "Time left"
+# Of sheets before 2026-12: the name of the bonus for the time left, which is listed as if it were a group, and of what
+# has the limits of the whole sheet.
+TIME_LEFT, WHOLE_SHEET = "Time left", "Score sheet"
 
 Key = Tuple[str, str]  # group and description, which identify an item
+
+
+def earlier_id(key: Key) -> str:
+    """Return what the rules call an item of a sheet before 2026-12, which has no id."""
+    return ": ".join(key)
 
 
 class ScoreKind(enum.IntEnum):
@@ -200,7 +206,8 @@ NO_SECTION = "Score sheet"
 INCIDENTS = "Incidents"
 MAX_INCIDENTS = 100  # of one kind: each is counted by itself
 _KINDS = {
-    Measure.YES: ScoreKind.BOOL, Measure.COUNT: ScoreKind.UINT, Measure.NUMBER: ScoreKind.DECIMAL,
+    Measure.YES: ScoreKind.BOOL, Measure.COUNT: ScoreKind.UINT, Measure.WHOLE: ScoreKind.INT,
+    Measure.NUMBER: ScoreKind.DECIMAL,
     Measure.PERCENT: ScoreKind.DECIMAL, Measure.POINTS: ScoreKind.DECIMAL, Measure.CHOICE: ScoreKind.CHOICE,
     Measure.RATING: ScoreKind.RATING,
 }
@@ -211,16 +218,16 @@ def rows(sheet: Sheet) -> Tuple[ScoringItem, ...]:
 
     Items of one name in one section get a number: referees must see which is which.
     """
-    names = {item.id: item.name for item in sheet.items}
+    keys: Dict[str, Key] = {}  # by the ids of the items
     sections: Dict[str, str] = {}  # id of an item -> name of the section in which it is
-    found: List[ScoringItem] = []
     seen: Dict[Key, int] = {}
     for item in sheet.items:
         sections[item.id] = item.name if item.amount is Measure.SECTION else sections.get(item.under, NO_SECTION)
         if item.amount in _KINDS:
             key = sections[item.id], item.name
             seen[key] = seen.get(key, 0) + 1
-            found.append(_row(item, key[0], item.name if seen[key] == 1 else f"{item.name} ({seen[key]})", names))
+            keys[item.id] = key if seen[key] == 1 else (key[0], f"{item.name} ({seen[key]})")
+    found = [_row(item, keys) for item in sheet.items if item.id in keys]
     found += [ScoringItem(INCIDENTS, incident.title, ScoreKind.UINT, id=incident.name)
               for incident in marked_incidents(sheet)]
     return tuple(found)
@@ -234,7 +241,7 @@ def marked_incidents(sheet: Sheet) -> List[Incident]:
             if incident.name not in pauses and incident.marks not in choices]
 
 
-def _row(item: Item, group: str, desc: str, names: Dict[str, str]) -> ScoringItem:
+def _row(item: Item, keys: Dict[str, Key]) -> ScoringItem:
     """Return what referees mark of an item."""
     is_percent = item.amount is Measure.PERCENT
     least, most = item.low, item.high
@@ -242,6 +249,6 @@ def _row(item: Item, group: str, desc: str, names: Dict[str, str]) -> ScoringIte
         least, most = Decimal(0), None if item.times is None else Decimal(100 * item.times)
     elif item.amount is Measure.COUNT and most is None and item.times is not None:
         most = Decimal(item.times)
-    needs = tuple((group, names[each.item]) for each in item.needs)
-    return ScoringItem(group, desc, _KINDS[item.amount], item.points, least, most, item.choices, item.judges,
+    needs = tuple(keys[each.item] for each in item.needs if each.item in keys)
+    return ScoringItem(*keys[item.id], _KINDS[item.amount], item.points, least, most, item.choices, item.judges,
                        item.jury, needs, item.id, item.percent, "%" if is_percent else "")

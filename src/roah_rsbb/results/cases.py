@@ -194,7 +194,7 @@ def _row(text: str, options: Mapping[str, Any], sheet: Sheet) -> Item:
 
 def _of_amount(mark: SheetMark, amount: Fraction, item: Item, sheet: Sheet) -> List[SheetMark]:
     """Return marks that are worth these points each."""
-    if item.amount is Measure.NUMBER:
+    if item.amount in (Measure.NUMBER, Measure.WHOLE):
         return [mark._replace(number=mark.number * amount)]
     if item.amount is Measure.POINTS:
         return [mark._replace(number=mark.number * amount / Fraction(item.points or 1))]

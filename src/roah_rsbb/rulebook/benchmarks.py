@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Dict, FrozenSet, List, Optional, Tuple
 
 from roah_rsbb.model.rules import NO_SHEET, Decision, Sheet
-from roah_rsbb.model.scoring import NO_SHEET_RULES, JudgesRule, ScoringItem, SheetForm, SheetRules
+from roah_rsbb.model.scoring import JudgesRule, ScoringItem, SheetForm
 from roah_rsbb.rulebook.errors import Place
 from roah_rsbb.rulebook.registry import PROFILES, STRINGS, BenchmarkKind, Profile, profile_of
 from roah_rsbb.rulebook.standing_rules import StandingRules
@@ -80,22 +80,19 @@ class Benchmark:
     desc: str
     timeout: float
     total_timeout: float
-    scoring: Tuple[ScoringItem, ...]  # what the referee marks: the rows of `sheet`, if there is one
+    scoring: Tuple[ScoringItem, ...]  # what the referee marks: the rows of `sheet`
     own: Optional[Profile] = None  # None: that of the registry
     rules: EventRules = NO_RULES
-    sheet_rules: SheetRules = NO_SHEET_RULES
     about: Tuple[Tuple[str, str], ...] = ()  # what spectators read of it: languages and texts
     judges: Optional[JudgesRule] = None  # None: the referee scores
     objection_time: float = 0.0  # seconds after the result is published; 0.0: no such rule
-    sheet: Sheet = NO_SHEET  # its score sheet, and what may happen in its runs
+    sheet: Sheet = NO_SHEET  # its score sheet, and what may happen in its runs; `NO_SHEET`: it has no rules
 
     @property
     def form(self) -> SheetForm:
         """The score sheet before it is filled in."""
-        if self.sheet is not NO_SHEET:
-            return SheetForm(self.scoring, judges=self.judges, objection_time=self.objection_time, sheet=self.sheet)
-        limit = 0.0 if self.sheet_rules.time_left is None else self.total_timeout
-        return SheetForm(self.scoring, self.sheet_rules, limit, self.judges, self.objection_time)
+        return SheetForm(self.scoring, judges=self.judges, objection_time=self.objection_time,
+                         sheet=None if self.sheet is NO_SHEET else self.sheet)
 
     @property
     def profile(self) -> Profile:

@@ -20,7 +20,7 @@ _NAMES = {"own": "", "rules": "", "desc": "subject", "name": "title", "least": "
 # Times in seconds, in files without this unit.
 _SECONDS = {"limit_s": "time limit", "clock_s": "time of the run, of which some may be left"}
 # Those of a benchmark by which its sheets are scored.
-_OF_SHEET = ("scoring", "sheet_rules", "sheet")
+_OF_SHEET = ("scoring", "sheet")
 
 
 def changes(before: Config, after: Config, ran: Iterable[EventKey] = ()) -> List[str]:

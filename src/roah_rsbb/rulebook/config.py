@@ -8,11 +8,11 @@ import re
 import shlex
 from dataclasses import replace
 from decimal import Decimal
-from typing import Any, Dict, FrozenSet, List, Optional, Set, Tuple
+from typing import Any, Dict, FrozenSet, Iterable, List, Optional, Set, Tuple
 
 from roah_rsbb.ground import linux
-from roah_rsbb.model.rules import NO_SHEET, Sheet
-from roah_rsbb.model.scoring import Agreement, JudgesRule, rows
+from roah_rsbb.model.rules import NO_SHEET, Measure, Sheet
+from roah_rsbb.model.scoring import Agreement, JudgesRule, ScoringItem, rows
 from roah_rsbb.rulebook.benchmarks import (
     ALL_TEAMS,
     NO_LIMIT,
@@ -31,7 +31,7 @@ from roah_rsbb.rulebook.decisions import decisions_in, resolved
 from roah_rsbb.rulebook.errors import ConfigError, ConfigErrors, Place, Report, line_list, quote
 from roah_rsbb.rulebook.event_ids import VALID, adopted, known_by
 from roah_rsbb.rulebook.registry import CODE, PROFILES, USES, BenchmarkKind, Profile, new_profile
-from roah_rsbb.rulebook.scoring_section import ScoringSection
+from roah_rsbb.rulebook.scoring_section import as_sheet
 from roah_rsbb.rulebook.sheet_file import MAX_JUDGES, read_sheet
 from roah_rsbb.rulebook.yaml_fields import choice, describe, fields, integer, number, sequence, text, utc_time
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable, read_yaml
@@ -158,9 +158,11 @@ class BenchmarksFile:
         total = _timeout(report, got, "total_timeout") if "total_timeout" in got else timeout
         judges = self._judges(got["judges"]) if "judges" in got else None
         sheets = judges.count if judges else 0
-        scoring = ScoringSection(report, got.get("scoring"), sheets)
         has_sheet = "sheet" in got or "incidents" in got
-        sheet = self._sheet(got, total, sheets) if has_sheet else NO_SHEET
+        sheet = self._sheet(got, total, sheets) if has_sheet or "scoring" in got else NO_SHEET
+        scoring = rows(sheet)
+        if "scoring" in got and _is_plain(sheet, scoring):
+            sheet, scoring = NO_SHEET, tuple(replace(row, id="") for row in scoring)
         if "judges" in got and not {"scoring", "sheet"} & got.keys():
             report.error(got["judges"].place, "judges in a benchmark without 'sheet'",
                          "a sheet that they fill in, or no key 'judges'")
@@ -184,13 +186,10 @@ class BenchmarksFile:
                     f"total_timeout {total:g} of {code} is less than its timeout {timeout:g}: "
                     "it ends the run before the first goal's time is over",
                 )
-            if scoring.rules.time_left is not None and total == NO_LIMIT:
-                report.error(got["scoring"].place, f"time_left in {code}, whose run has no time limit",
-                             "a timeout in seconds, or no time_left")
             if name is not None and desc is not None and profile is not None and rules is not None:
                 self.by_code[code] = Benchmark(
-                    code, name, desc, timeout, total, rows(sheet) if has_sheet else scoring.items, profile, rules,
-                    scoring.rules, about, judges, objection_time or 0.0, sheet)
+                    code, name, desc, timeout, total, scoring, profile, rules, about, judges,
+                    objection_time or 0.0, sheet)
                 self._warn_of_limits(self.by_code[code], got)
         return code if isinstance(node, Mapping) and node.whole else None
 
@@ -198,6 +197,10 @@ class BenchmarksFile:
         """Read the sheet of a benchmark. `sheets`: of so many judges."""
         report = self._report
         limit_s = None if total is None or total == NO_LIMIT else Decimal(str(total))
+        if "scoring" in got:
+            sheet = read_sheet(report, as_sheet(report, got["scoring"]), None, limit_s, sheets)
+            has_clock = any(item.amount is Measure.CLOCK for item in sheet.items)
+            return replace(sheet, limit_s=None, clock_s=total if has_clock else None)  # no mark was late
         sheet = read_sheet(report, got.get("sheet"), got.get("incidents"), limit_s, sheets)
         late = choice(report, got.get("late_marks"), "late_marks", _LATE_MARKS, "what marks after the time limit do")
         return replace(sheet, limit_s=None, clock_s=total) if late == _LATE_MARKS[0] and limit_s is not None else sheet
@@ -345,6 +348,12 @@ class BenchmarksFile:
             if word is not None:
                 self._report.once(places, word, each.place, f"{quote(word)} again in uses", "each once")
         return None if None in words else frozenset(filter(None, words))
+
+
+def _is_plain(sheet: Sheet, scoring: Iterable[ScoringItem]) -> bool:
+    """Whether a sheet before 2026-12 has items only: such a one has no rules, and records are without it."""
+    return all(row.is_plain for row in scoring) and all(
+        item.least is item.most is None and item.amount is not Measure.CLOCK for item in sheet.items)
 
 
 def _timeout(report: Report, got: Dict[str, Node], key: str, infinity: str = NO_LIMIT_TEXT) -> Optional[float]:

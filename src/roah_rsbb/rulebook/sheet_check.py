@@ -133,7 +133,7 @@ class _Rows:
         """Return how often a row may count."""
         if item.amount is Measure.CLOCK:
             return _Span(ZERO, (self._sheet.limit_s or Decimal(str(self._sheet.clock_s or 0))) // item.seconds)
-        if item.amount in (Measure.NUMBER, Measure.POINTS, Measure.RATING):
+        if item.amount in (Measure.NUMBER, Measure.WHOLE, Measure.POINTS, Measure.RATING):
             return _Span(-MANY if item.low is None else min(ZERO, item.low), MANY if item.high is None else item.high)
         return _Span(ZERO, MANY if item.times is None else Decimal(item.times))
 

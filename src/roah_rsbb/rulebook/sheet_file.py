@@ -36,6 +36,7 @@ _KEYS = {
     Measure.COUNT: (*_WORTH, "times", "each"),
     Measure.PERCENT: (*_WORTH, "times", "each", "share_of_all"),
     Measure.NUMBER: (*_WORTH, "from", "to"),
+    Measure.WHOLE: (*_WORTH, "from", "to"),
     Measure.POINTS: ("points", "decimals", "from", "to"),
     Measure.CHOICE: ("choices",),
     Measure.CLOCK: ("points", "seconds"),
@@ -275,6 +276,9 @@ class _Rows:
             low = Decimal(0)
             if high is not None and high <= 0 and "from" not in got:
                 report.error(got["to"].place, f"{describe(got['to'])} as to of a rating", "a number above 0, or a from")
+        for key, end in (("from", low), ("to", high)):
+            if amount is Measure.WHOLE and end is not None and end % 1:
+                report.error(got[key].place, f"{key} {end} of a whole number", "one without decimals")
         points = exact(report, got.get("points"), "points", -MAX_NUMBER, MAX_NUMBER)
         seconds = exact(report, got.get("seconds"), "seconds", _NO_SECONDS, _MAX_SECONDS)
         jury = choice(report, got.get("jury"), "jury", _JURY, "how ratings become one")

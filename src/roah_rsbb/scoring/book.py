@@ -31,7 +31,7 @@ from roah_rsbb.model.records import (
 from roah_rsbb.model.scoring import INCIDENTS, ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.rulebook.benchmarks import Benchmark, EventRules
 from roah_rsbb.rulebook.standing_rules import StandingRules
-from roah_rsbb.scoring.earlier import id_of, sheet_of
+from roah_rsbb.scoring.earlier import id_of, modern, sheet_of
 from roah_rsbb.scoring.judges import ItemVerdict, Judges, JudgesState
 from roah_rsbb.scoring.points import CountedSheet, counted
 from roah_rsbb.scoring.publication import Publication, PublicationState
@@ -294,7 +294,7 @@ def _marks_of(verdict: ItemVerdict) -> List[Mark]:
 
 def form_of(record: RunRecord) -> SheetForm:
     """Return the items of a run's score sheet, and their rules."""
-    return record.form or SheetForm(tuple(
+    return modern(record.form) if record.form is not None else SheetForm(tuple(
         ScoringItem(item.group, item.desc, _KINDS.get(item.kind, ScoreKind.UINT)) for item in record.items))
 
 
@@ -420,7 +420,7 @@ class FinishedRun:
 
 def is_scored_alike(one: SheetForm, other: SheetForm) -> bool:
     """Whether two sheets have the same items and rules, whatever the time for objections is."""
-    return replace(one, objection_time=0.0, judges=None) == replace(other, objection_time=0.0, judges=None)
+    return len({replace(modern(form), objection_time=0.0, judges=None) for form in (one, other)}) == 1
 
 
 class Rescored(NamedTuple):

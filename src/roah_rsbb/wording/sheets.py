@@ -237,10 +237,10 @@ def sums_text(groups: Iterable[GroupOfValues]) -> str:
 def points_said(points: SheetPoints) -> str:
     """Return the points, such as "85 points: Achievements 100 · Penalized -15"; of a single group only the total.
 
-    A group that is part of another one is left out: readers add them up.
+    A group that is part of another one is left out, because readers add them up, and one without points.
     """
     found = [joined([_TIME_LEFT if name == _TIME_LEFT else name, number], " ") for name, number in points.groups
-             if name not in points.inner]
+             if name not in points.inner and number != "0"]
     said = _POINTS(points=points.total)
     if points.for_team:
         said = _POINTS_AND(points=points.total, more=points.for_team)

@@ -20,6 +20,7 @@ from roah_rsbb.results.standings import number_text
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.scoring.book import RunBook
 from roah_rsbb.scoring.counting import RunChoice, exact
+from roah_rsbb.scoring.earlier import modern
 from roah_rsbb.scoring.standings import standings
 from roah_rsbb.wording.sheets import points_text
 
@@ -107,8 +108,8 @@ def _check_front(front, record):
 
 @pytest.mark.parametrize("seed", range(10))
 def test_a_sheet_to_be_filled_in_by_hand_names_the_points(seed):
-    form = random_form(random.Random(seed))
-    benchmark = Benchmark("X", "X", "X", 300.0, 300.0, form.items, sheet_rules=form.rules)
+    form = modern(random_form(random.Random(seed)))
+    benchmark = Benchmark("X", "X", "X", 300.0, 300.0, form.items, sheet=form.sheet)
     front = blank_front(benchmark)
     lines = [line for group in front.groups for line in group.lines]
     titles = [group.title for group in front.groups]

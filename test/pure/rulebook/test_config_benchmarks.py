@@ -51,8 +51,8 @@ MISTAKES = [
     ("type: bool", "type: boolean", ["'boolean' as type", "a scoring type: did you mean 'bool'?"]),
     ("type: bool", "type: uints", ["'uints' as type", "did you mean 'uint'?"]),
     ("type: bool", "type: true", ["'true'", "a scoring type: there is 'bool', 'uint'"]),
-    ("desc: Stops working", 'desc: ""', ["an empty text as desc of a scoring item"]),
-    ("desc: Stops working", "desc:", ["found nothing as desc of a scoring item"]),
+    ("desc: Stops working", 'desc: ""', ["an empty text as name of a row"]),
+    ("desc: Stops working", "desc:", ["found nothing as name of a row"]),
     ("desc: Stops working", "descr: Stops working", ["unknown key 'descr'", "did you mean 'desc'?"]),
     ("desc: Stops working", "desc: Stops, or sleeps", ["unknown key 'or sleeps'", "comma needs quotes"]),
     ("desc: Stops working", "desc:Stops", ["unknown key 'desc:Stops'", "did you mean 'desc'? (a space after"]),
@@ -89,7 +89,7 @@ def test_the_same_item_twice_in_a_group_but_not_in_two(files):
     text = changed("benchmarks", "desc: Stops working", "desc: Bumps into the furniture")
     _, line, message = files.error(benchmarks=text)
     assert line == line_of(text, "Bumps into the furniture") + 1
-    assert "the scoring item 'Bumps into the furniture' a second time in group 'Penalized Behaviors'" in message
+    assert "the id 'Penalized Behaviors: Bumps into the furniture' again" in message
     files.load(benchmarks=changed("benchmarks", "desc: Stops working", "desc: Hits Annie or another person"))
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from helpers.competition import BUMPS, DOOR, UTC0, competition, event
 from roah_rsbb.model.rules import Stage, StageColumn
-from roah_rsbb.model.scoring import NO_SHEET_RULES, SheetRules, TimeLeft
+from roah_rsbb.model.scoring import NO_SHEET_RULES, SheetForm, SheetRules, TimeLeft
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Config, Durable, EventRules
 from roah_rsbb.rulebook.changes import changes, warnings
 from roah_rsbb.rulebook.config import load_benchmarks
@@ -15,6 +15,7 @@ from roah_rsbb.rulebook.errors import Place, known
 from roah_rsbb.rulebook.event_ids import key_of
 from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.rulebook.standing_rules import StandingRules, read_rules
+from roah_rsbb.scoring.earlier import modern
 from roah_rsbb.wording.times import date_time
 
 THEN, LATER = date_time(UTC0), date_time(UTC0 + 60.0)
@@ -159,13 +160,15 @@ def test_points_that_change_are_said_with_the_runs_that_keep_the_old_ones():
     before = competition(a=["HWV", "HNF"])
     sixty = dataclasses.replace(DOOR, points=Decimal(60))
     after = competition(a=["HWV", "HNF"])
-    rules = SheetRules(least=Decimal(0), time_left=TimeLeft(Decimal(1)))
-    for config, points in ((before, 60), (after, 50)):
+    limits = SheetRules(least=Decimal(0), time_left=TimeLeft(Decimal(1)))
+    for config, points, rules in ((before, 60, NO_SHEET_RULES), (after, 50, limits)):
+        form = modern(SheetForm((dataclasses.replace(sixty, points=Decimal(points)),), rules))
         config.benchmarks["HWV"] = dataclasses.replace(
-            config.benchmarks["HWV"], scoring=(dataclasses.replace(sixty, points=Decimal(points)),),
-            sheet_rules=rules if points == 50 else NO_SHEET_RULES)
-    lines = [f"benchmark HWV: scoring: '{DOOR.group}: {DOOR.desc}': points 60, now 50",
-             "benchmark HWV: min none, now 0", "benchmark HWV: time left: added"]
+            config.benchmarks["HWV"], scoring=form.items, sheet=form.sheet)
+    row, section = f"'{DOOR.desc} ({DOOR.group}: {DOOR.desc})'", f"'{DOOR.group} ({DOOR.group}:)'"
+    lines = [f"benchmark HWV: items: {section}: under '', now 'Score sheet.'",
+             f"benchmark HWV: items: {row}: points 60, now 50",
+             "benchmark HWV: items: 'Score sheet (Score sheet.)' added", "benchmark HWV: items: 'Time left' added"]
     assert changes(before, after) == lines
     ran = [key_of(with_id("m", "HWV")), key_of(with_id("n"))]
     assert changes(before, after, ran) == [*lines, "benchmark HWV: 1 run keeps the old score sheet"]

@@ -69,10 +69,10 @@ def test_the_drawer_of_incidents_says_what_happened():
     assert sheets.incidents_text(items[2:3]) == "Incidents"
 
 
-def test_points_do_not_list_what_is_part_of_another_group():
-    groups = (GroupPoints("Test", "370"), GroupPoints("Commands", "400"), GroupPoints("Special", "0"))
-    points = SheetPoints("370", groups, inner=("Commands",))
-    assert sheets.points_text(points) == "370 points: Test 370 · Special 0"
+def test_points_do_not_list_what_is_part_of_another_group_or_gives_none():
+    groups = (("Test", "370"), ("Commands", "400"), ("Special", "-5"), ("Bonus", "0"))
+    points = SheetPoints("365", tuple(GroupPoints(*each) for each in groups), inner=("Commands",))
+    assert sheets.points_text(points) == "365 points: Test 370 · Special -5"
 
 
 def test_sums_by_group_and_how_many_items_were_not_attempted():
