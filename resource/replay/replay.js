@@ -191,12 +191,11 @@ function say() {
 
 // -- the picture ------------------------------------------------------------------------------------
 
-const FILLS = {
-  connected: "#5b6a7a", running: "#1f7a3d", ended: "#8a4b12", disconnected: "#4a4f55", STOP: "#5b6a7a",
-  PREPARE: "#8a6100", PREPARING: "#8a6100", GOAL_TX: "#1f5fa8", WAITING_GOAL: "#1f5fa8", WAITING_RESULT: "#1f7a3d",
-  EXECUTING: "#1f7a3d", RESULT_TX: "#7d3c98",
+// The looks of phases and states, as on the pages; of all others: waiting.
+const LOOKS = {
+  connected: "ready", running: "executing", ended: "completed", STOP: "stopped", PREPARE: "ready", PREPARING: "ready",
+  WAITING_RESULT: "executing", EXECUTING: "executing", RESULT_TX: "completed",
 };
-const OTHER_FILL = "#4a4f55";
 // The lanes' names, where the kinds' are too long.
 const SHORT = {
   "Timeline of states": "States", "Goals and results": "Goals", "Manual operations": "Operations",
@@ -225,10 +224,11 @@ function drawPicture() {
   scale = (time) => LEFT + Math.min(1, Math.max(0, time / data.length)) * (width - LEFT - 2);
   const style = getComputedStyle(document.documentElement), context = canvas.getContext("2d");
   context.scale(ratio, ratio);
-  context.font = '11px system-ui, "DejaVu Sans", sans-serif';
+  context.font = '11px "IBM Plex Sans", system-ui, sans-serif';
   context.textBaseline = "middle";
-  context.palette = { text: style.getPropertyValue("--text"), bad: style.getPropertyValue("--bad"),
-    line: style.getPropertyValue("--line"), accent: style.getPropertyValue("--accent") };
+  const token = (name) => style.getPropertyValue(`--${name}`);
+  context.palette = { text: token("text"), bad: token("warning"), line: token("line-control"), accent: token("action"),
+    look: (name) => token(`state-${LOOKS[name] || "waiting"}-band`) };
   lanes.forEach(([title, draw], number) => {
     const top = number * (LANE + GAP);
     context.fillStyle = context.palette.text;
@@ -243,7 +243,7 @@ function drawStates(context, top, track) {
   track.forEach(([time, name], index) => {
     const left = scale(time), right = index + 1 < track.length ? scale(track[index + 1][0]) : scale(data.length);
     const width = Math.max(1, right - left);
-    context.fillStyle = FILLS[name] || OTHER_FILL;
+    context.fillStyle = context.palette.look(name);
     context.fillRect(left, top, width, LANE);
     context.fillStyle = "#ffffff";
     if (context.measureText(name).width + 6 < width) context.fillText(name, left + 3, top + LANE / 2);

@@ -32,31 +32,33 @@ _PIECE, _PIECE_OF_WIDE = (re.compile(rf"[^\W_]{{1,{most}}}[\W_]{{0,3}}|[\W_]{{1,
     LONGEST_WORD, LONGEST_WORD * 3 // 5))
 _WIDE = re.compile("[A-ZmwÄÖÜ]")
 
+# Tokens of the web pages, for paper: a test compares them.
 _STYLE = """
+:root { --text: #14191f; --text-quiet: #4b5661; --line: #d6dbe1; --line-control: #78838f; }
 @page { size: A4; margin: 14mm 13mm; }
 * { box-sizing: border-box; }
-body { font: 10pt/1.35 "DejaVu Sans", Verdana, sans-serif; color: #111; max-width: 190mm; margin: 6mm auto;
-  padding: 0 4mm; }
+body { font: 10pt/1.35 "IBM Plex Sans", "DejaVu Sans", Verdana, sans-serif; color: var(--text); max-width: 190mm;
+  margin: 6mm auto; padding: 0 4mm; }
 h1 { font-size: 17pt; margin: 0 0 1mm; } h2 { font-size: 11.5pt; margin: 6mm 0 1.5mm; break-after: avoid; }
 h3 { font-size: 10pt; margin: 3mm 0 1mm; break-after: avoid; }
-p { margin: 1mm 0; } .small { font-size: 8pt; color: #444; }
+p { margin: 1mm 0; } .small { font-size: 8pt; color: var(--text-quiet); }
 table { border-collapse: collapse; width: 100%; } thead { display: table-header-group; } tr { break-inside: avoid; }
-th, td { text-align: left; vertical-align: top; padding: .7mm 1.6mm; border-bottom: .2mm solid #bbb;
+th, td { text-align: left; vertical-align: top; padding: .7mm 1.6mm; border-bottom: .2mm solid var(--line);
   white-space: pre-wrap; min-width: 15mm; }
-th { font-size: 8pt; color: #444; white-space: normal; }
+th { font-size: 8pt; color: var(--text-quiet); white-space: normal; }
 .number { text-align: right; min-width: 9mm; } .time { min-width: 18mm; width: 18mm; }
 td.number, td.time { white-space: nowrap; } td.time { font-size: 8.5pt; }
 table.facts { width: auto; } table.facts th { width: 30mm; font-size: 10pt; }
 td.value { min-width: 28mm; width: 28mm; font-weight: bold; } .who { min-width: 34mm; width: 34mm; }
 .team, .change { min-width: 26mm; } .what { min-width: 34mm; }
 td.when { min-width: 23mm; width: 23mm; white-space: normal; font-size: 8.5pt; }
-.mark { font-size: 8pt; border: .2mm solid #111; border-radius: .8mm; padding: 0 1mm; }
-.bad { font-weight: bold; } del { color: #555; }
+.mark { font-size: 8pt; border: .2mm solid var(--text); border-radius: .8mm; padding: 0 1mm; }
+.bad { font-weight: bold; } del { color: var(--text-quiet); }
 .front { display: flex; flex-direction: column; min-height: 262mm; margin-bottom: 8mm; }
 .content { flex: 1 1 auto; min-height: 0; } .front + .front, .annex { break-before: page; }
 .front table.facts { width: 100%; } .front table.facts th { width: 24mm; font-size: 8pt; } .front tr { height: 5.6mm; }
 .front table.facts td { width: 68mm; } .front h2 { margin-top: 4mm; }
-.scores table { margin: 0 0 2.5mm; } .scores th.title { font-size: 10pt; color: #111; }
+.scores table { margin: 0 0 2.5mm; } .scores th.title { font-size: 10pt; color: var(--text); }
 .scores td.value { width: 25mm; min-width: 25mm; text-align: right; white-space: normal; }
 .scores tr:first-child { break-after: avoid; }
 .scores .number { width: 14mm; } .scores.two, .scores.three { column-gap: 6mm; font-size: 8.5pt; }
@@ -69,12 +71,12 @@ td.when { min-width: 23mm; width: 23mm; white-space: normal; font-size: 8.5pt; }
 .competition { display: flex; align-items: center; gap: 5mm; height: 14mm; margin-bottom: 3mm; }
 .competition img { max-height: 14mm; max-width: 50mm; }
 .competition p { font-size: 13pt; font-weight: bold; margin: 0; }
-table.totals { width: 100%; margin-top: 1mm; border-top: .4mm solid #111; }
-table.totals th { font-size: 10pt; color: #111; } table.totals td { font-weight: bold; }
-.line { border-bottom: .2mm solid #888; height: 7mm; margin: 0; }
+table.totals { width: 100%; margin-top: 1mm; border-top: .4mm solid var(--text); }
+table.totals th { font-size: 10pt; color: var(--text); } table.totals td { font-weight: bold; }
+.line { border-bottom: .2mm solid var(--line-control); height: 7mm; margin: 0; }
 .remark { font-size: 9pt; max-height: 2.7em; overflow: hidden; }
 .signatures { display: flex; gap: 10mm; flex: none; padding-top: 16mm; break-inside: avoid; }
-.signatures div { flex: 1; border-top: .3mm solid #111; padding-top: 1mm; font-size: 8pt; }
+.signatures div { flex: 1; border-top: .3mm solid var(--text); padding-top: 1mm; font-size: 8pt; }
 svg { width: 100%; height: auto; display: block; break-inside: avoid; }
 @media screen and (max-width: 150mm) { .scores.two, .scores.three { columns: 1; }
   .annex > table { display: block; overflow-x: auto; } }

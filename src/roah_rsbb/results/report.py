@@ -50,7 +50,7 @@ body { max-width: 270mm; } nav { margin: 0 0 4mm; display: flex; flex-wrap: wrap
 .wide { overflow-x: auto; } .wide th[role] { cursor: pointer; } .wide th[aria-sort=ascending]::after { content: " ▲"; }
 .wide th[aria-sort=descending]::after { content: " ▼"; } .wide td { white-space: normal; } .plot { margin: 2mm 0; }
 .wide td.share, .wide td.from { white-space: nowrap; } meter { width: 18mm; vertical-align: middle; }
-.uplot { font: 9pt "DejaVu Sans", Verdana, sans-serif; } .u-legend { font-size: 9pt; }
+.uplot { font: 9pt "IBM Plex Sans", "DejaVu Sans", Verdana, sans-serif; } .u-legend { font-size: 9pt; }
 table.u-legend { width: auto; } .u-legend td, .u-legend th { border: 0; min-width: 0; }
 @media print { nav { display: none; } .wide { overflow: visible; } body { font-size: 8pt; }
   @page { size: A4 landscape; } }

@@ -40,7 +40,7 @@ def _read(jury, then):
 
 
 def _texts(result, _reader=None):
-    return "\n".join(sheet_lines(result, True, False)), sheet_page(result, True)
+    return "\n".join(sheet_lines(result, True, False)), sheet_page(result, True).partition("</style>")[2]
 
 
 def test_the_sheet_shows_no_proposal_before_all_judges_have_submitted(jury):
