@@ -677,8 +677,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>NO LINK TO THE BOX since {time}. STOP is sent until the box answers</source>
-        <translation>KEINE VERBINDUNG ZUR BOX seit {time}. STOPP wird gesendet, bis die Box antwortet</translation>
+        <source>NO LINK TO THE BOX since {time}. STOP and marks are sent until the box answers</source>
+        <translation>KEINE VERBINDUNG ZUR BOX seit {time}. STOPP und Wertungen werden gesendet, bis die Box antwortet</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -687,8 +687,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>This is the last known state. STOP works</source>
-        <translation>Das ist der letzte bekannte Zustand. STOPP funktioniert</translation>
+        <source>This is the last known state. STOP works, marks wait for the box</source>
+        <translation>Das ist der letzte bekannte Zustand. STOPP funktioniert, Wertungen warten auf die Box</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -894,6 +894,16 @@
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>NOT CONFIRMED: {mark}. It is sent again until the box answers</source>
         <translation>NICHT BESTÄTIGT: {mark}. Wird wieder gesendet, bis die Box antwortet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>{number} waiting</source>
+        <translation>{number} warten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>This browser keeps nothing: leave the page open until the box has it</source>
+        <translation>Dieser Browser speichert nichts: die Seite offen lassen, bis die Box alles hat</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>

@@ -4,7 +4,7 @@ import {Component, address, html, parameters, useEffect, useRef, useState} from 
 import {render} from "/assets/vendor/preact-htm.js";
 import {Live} from "/assets/live.js";
 import {ask, reasonsText, roleText} from "/assets/device.js";
-import {Marks, send} from "/assets/commands.js";
+import {Marks, nameOf, send} from "/assets/commands.js";
 import {Cells, Command, Twice} from "/assets/buttons.js";
 import {Keys, listen} from "/assets/keys.js";
 import {lockWhenIdle} from "/assets/lock.js";
@@ -179,12 +179,18 @@ window.addEventListener("offline", () => state.live && state.live.socket && stat
 
 async function give(name, texts, label, more = {}) {
   const zone = zoneNow();
+  if (state.live.silentSince !== null) {  // nothing but marks waits for a link
+    state.said = texts.not_current;
+    draw();
+    return false;
+  }
   const answered = send(name, {zone: zone.zone, ...more});  // first: a slow phone takes long to draw
   state.said = `${label} …`;
   draw();
   const answer = await answered;
   state.said = answer.status === 200 ? "" : texts.refused.replace("{what}", () => label)
     .replace("{reasons}", () => reasonsText(answer, texts));
+  answer.status === 200 || strip.signal(330, [80, 80, 80]);
   draw();
   return answer.status === 200;
 }
@@ -205,14 +211,7 @@ function whyNoStop(name) {
 // Whether a robot did not answer STOP.
 const isMoving = (zone) => Boolean(zone.leaving) && zone.is_urgent;
 
-async function undo(last, texts) {
-  if (last.added) {
-    state.marks.takeOff(last);
-  } else if (await give("take_back", texts, texts.undo.replace("{mark}", () => last.shown),
-    {identity: last.identity, id: last.id})) {
-    state.marks.forget(last);
-  }
-}
+const undo = (last, texts) => state.marks.undo(last, texts.undo.replace("{mark}", () => last.shown));
 
 // -- parts --------------------------------------------------------------------------------------------
 
@@ -251,7 +250,7 @@ function Run({zone, texts}) {
 // moves them. When a line changes, all lines are new ones: so none moves.
 function Now({zone, texts, judge}) {
   const {marks} = state;
-  const late = marks.waiting.filter((mark) => mark.isLate);
+  const late = waitingText(marks, texts);
   const asked = judge ? [] : offered(zone, texts).filter(([, {row}]) => row === "module");
   return html`
     <section class="now ${asked.length > 0 ? "operation" : ""}" tabindex="0" aria-label=${texts.state}>
@@ -264,7 +263,7 @@ function Now({zone, texts, judge}) {
           question=${texts.really} act=${() => give("connect", texts, robot, shownOf(zone, "connect", texts.actions.connect, {robot}))} />`)}</div>`}
       ${marks.refused.map((mark) => html`<${RefusedMark} key=${mark.id} mark=${mark} marks=${marks} texts=${texts} />`)}
       <div role="status" key=${JSON.stringify([late, asked, zone.todo, zone.warnings, zone.state])}>
-        ${late.map((mark) => html`<p class="alarm">${lateText(mark, texts)}</p>`)}
+        ${late && html`<p class="alarm">${late}</p>`}
         ${asked.length === 0 && html`<p class="todo ${zone.is_urgent ? "urgent" : ""}">${zone.todo}</p>`}
         <ul class="warnings">${zone.warnings.map((text) => html`<li>⚠ ${text}</li>`)}</ul>
         <ul class="state">${zone.state.map((line) => html`<li>${line}</li>`)}</ul>
@@ -272,9 +271,15 @@ function Now({zone, texts, judge}) {
     </section>`;
 }
 
-const lateText = (mark, texts) => (mark.isAtBox ? texts.not_on_disks : texts.not_confirmed)
-  .replace("{mark}", () => `${mark.desc}: ${mark.shown}`);
-const refusedText = (mark, texts) => texts.refused.replace("{what}", () => `${mark.desc}: ${mark.shown}`)
+// What waits, in a line: the oldest that is late, and how many there are.
+function waitingText(marks, texts) {
+  const late = marks.waiting.find((mark) => mark.isLate);
+  return !late ? "" : [lateText(late, texts), marks.waiting.length > 1 && texts.queued.replace("{number}", () => marks.waiting.length),
+    !marks.isKept && texts.not_kept].filter(Boolean).join(" · ");
+}
+
+const lateText = (mark, texts) => (mark.isAtBox ? texts.not_on_disks : texts.not_confirmed).replace("{mark}", () => nameOf(mark));
+const refusedText = (mark, texts) => texts.refused.replace("{what}", () => nameOf(mark))
   .replace("{reasons}", () => mark.reasons.join("; "));
 
 function Switches({zone, texts}) {
@@ -580,8 +585,8 @@ function Page() {
   const judge = session.role === "judge" ? session.person : "";
   const zones = session.zone ? null : data["page.zones"];
   const isJudged = Boolean(zone) && zone.judging.some((run) => run.identity === zone.identity && run.count > 0);
-  const late = marks.waiting.find((mark) => mark.isLate);
-  const trouble = marks.refused.length > 0 ? refusedText(marks.refused[0], texts) : late ? lateText(late, texts)
+  const late = waitingText(marks, texts);
+  const trouble = marks.refused.length > 0 ? refusedText(marks.refused[0], texts) : late ? late
     : !zone && live.silentSince === null ? noZone(texts) : "";
   strip.note(trouble || (live.silentSince === null ? state.gone || state.said : texts.not_current),
     Boolean(trouble || state.gone) || isOld);
@@ -597,14 +602,15 @@ function Page() {
         <${Part} key=${state.part} part=${state.part} data=${data[`part.${state.part}`]} zone=${zone} zones=${data["page.zones"]}
           session=${session} texts=${texts} marks=${marks} give=${give} undo=${(last) => undo(last, texts)}
           openZone=${openInZone} ended=${ended} />`)}</fieldset>` : zone ? html`
-      <fieldset disabled=${isOld} class="all">
-        <div>
+      <div class="all">
+        <fieldset disabled=${isOld}>
           ${part(texts.time, html`<${Run} zone=${zone} texts=${texts} />`)}
           ${part(texts.state, html`<${Now} zone=${zone} texts=${texts} judge=${judge} />`)}
-        </div>
+        </fieldset>
         <div>
-          ${!judge && part(texts.commands, html`<${Commands} zone=${zone} texts=${texts} />`)}
-          ${!judge && part(texts.unsigned, html`<${Over} zone=${zone} texts=${texts} />`)}
+          ${!judge && html`<fieldset disabled=${isOld}>
+            ${part(texts.commands, html`<${Commands} zone=${zone} texts=${texts} />`)}
+            ${part(texts.unsigned, html`<${Over} zone=${zone} texts=${texts} />`)}</fieldset>`}
           ${judge && part(texts.judges, zone.judging.filter((run) => run.count > 0).map((run) => html`
             <${JudgeRun} key=${run.identity} zone=${zone.zone} run=${run} marks=${marks} texts=${texts} person=${judge}
               give=${give} />`))}
@@ -612,9 +618,9 @@ function Page() {
           ${zone.items.length > 0 && !isJudged && part(texts.sheet, html`
             <${Sheet} key=${zone.identity} zone=${zone} marks=${marks} texts=${texts} judge=${judge}
               undo=${judge ? null : (last) => undo(last, texts)} give=${give} />`)}
-          ${!judge && zone.switches && part(texts.switches, html`<${Switches} zone=${zone} texts=${texts} />`)}
+          ${!judge && zone.switches && part(texts.switches, html`<fieldset disabled=${isOld}><${Switches} zone=${zone} texts=${texts} /></fieldset>`)}
         </div>
-      </fieldset>` : html`<p class="nothing">${live.silentSince === null ? noZone(texts) : words.waiting}</p>`}`;
+      </div>` : html`<p class="nothing">${live.silentSince === null ? noZone(texts) : words.waiting}</p>`}`;
 }
 
 // Why no zone is shown.

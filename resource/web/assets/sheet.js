@@ -2,6 +2,7 @@
 
 import {html, useState} from "/assets/parts.js";
 import {Command} from "/assets/buttons.js";
+import {expected, nameOf} from "/assets/commands.js";
 
 function number(text) {
   return text === "" ? null : Number(text);
@@ -17,7 +18,7 @@ export const keypad = ({type, min}) => type !== "uint" && (min === "" || Number(
 export function RefusedMark({mark, marks, texts}) {
   return html`
     <div class="alarm" role="alert">
-      <p>${texts.refused.replace("{what}", () => `${mark.desc}: ${mark.shown}`).replace("{reasons}", () => mark.reasons.join("; "))}</p>
+      <p>${texts.refused.replace("{what}", () => nameOf(mark)).replace("{reasons}", () => mark.reasons.join("; "))}</p>
       <button type="button" data-command="close_refused" onClick=${() => marks.close(mark)}>${texts.close}</button>
     </div>`;
 }
@@ -32,15 +33,16 @@ function Item({item, zone, waiting, refused, mark, texts, judge, give}) {
   };
   const minimum = number(item.min), maximum = number(item.max);
   const name = item.desc;
-  const late = waiting.some((one) => one.isLate);
+  const late = waiting.some((one) => one.isLate), shown = late ? expected(item, waiting) : item.shown;
   return html`
     <li class="item" data-item=${name}>
       <div class="what"><span>${name}</span>
         <span class="sending" role="status">${refused.length > 0 || late ? "⚠" : waiting.length > 0 && "…"}${
           waiting.length > 0 && html`<span class="unseen">${waiting.map((one) =>
             texts.sending.replace("{mark}", () => one.shown)).join("; ")}</span>`}</span>
-        <span class="value"><strong class="shown">${item.shown}</strong>
-          ${zone.points && html`<span class="points">${item.points}</span>`}</span></div>
+        <span class="value"><strong class="shown">${shown}</strong>
+          ${late ? html`<span class="points">${texts.queued.replace("{number}", () => waiting.length)}</span>`
+            : zone.points && html`<span class="points">${item.points}</span>`}</span></div>
       <div class="controls">
         ${item.type === "bool" && !judge && [["yes", 1], ["no", 0]].map(([word, value]) => html`
           <button type="button" aria-pressed=${!item.not_attempted && item.value === value}
@@ -131,7 +133,7 @@ export function Sheet({zone, marks, texts, judge = "", command = "", person = ""
         <details class="incidents"><summary>${zone.incidents || incidents[0].group}</summary><ul>${incidents.map(row)}</ul></details>`}
       ${zone.points && html`<p class="points">${zone.points}</p>`}
       <${Steps} steps=${zone.steps} texts=${texts} />
-      ${undo && html`<${Command} key=${last ? last.number : ""} name="undo" label=${last ? texts.undo.replace("{mark}", () => last.shown) : texts.nothing_to_undo}
+      ${undo && html`<${Command} key=${last ? last.id : ""} name="undo" label=${last ? texts.undo.replace("{mark}", () => last.shown) : texts.nothing_to_undo}
         isBare reasons=${last ? [] : [""]} act=${() => undo(last)} />`}
     </section>`;
 }

@@ -25,7 +25,7 @@
   const IS_OWN = document.body.classList.contains("referee");
   const words = {
     stop: "■ STOP", stop_all: "■ STOP ALL", hold: "hold", really: "Press again: {command}",
-    offline: "NO LINK TO THE BOX since {time}. STOP is sent until the box answers",
+    offline: "NO LINK TO THE BOX since {time}. STOP and marks are sent until the box answers",
     superseded: "ANOTHER BOX HAS TAKEN OVER: open the pages at {address}",
     nothing_to_stop: "No run is in progress, so there is nothing to stop",
     others_run: "Nothing is running in {zone}. Running: {zones}. Choose one of them, or hold STOP ALL",

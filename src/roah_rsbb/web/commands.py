@@ -25,8 +25,10 @@ _MAX_WHOLE = 2**31 - 1
 
 # What a page says of what it shows, with each action of the table: the run, and the event at which it is.
 SHOWN: Dict[str, type] = {"identity": str, "event_id": str}
+# When something was entered, and when it is sent, both in ms of the device's clock: whether that is right does not matter.
+MADE, NOW = "made", "now"
 # What a request has besides the values of an action's fields; `language`: of the page, for the answer.
-_BESIDE = {"zone", "language", "given", *SHOWN}
+_BESIDE = {"zone", "language", "given", MADE, NOW, *SHOWN}
 # Each command that is not in the table of actions, and the type of each of its fields.
 FIELDS: Dict[str, Dict[str, type]] = {
     "stop": {"identity": str},
@@ -86,7 +88,7 @@ def command_of(name: str, body: Dict[str, Any], session: DeviceSession) -> Comma
         if not isinstance(entered, dict):
             raise BadCommand("given is no object")
         given = {name: value for name, value in body.items() if name not in _BESIDE}
-        given.update(entered, **_of_session(action, session))
+        given.update(entered, **_filled_in(action, session, _ago_ms(body)))
         try:
             if not action.is_open:
                 model_fields.read(action.fields, given)
@@ -113,10 +115,20 @@ def may(command: Command) -> bool:
     return grant.role != JUDGE or command.name == JUDGING
 
 
-def _of_session(action: Action, session: DeviceSession) -> Dict[str, str]:
+def _ago_ms(body: Dict[str, Any]) -> int:
+    """Return how many milliseconds ago something was entered, which may have waited for a link; 0: just now. Raises
+    `BadCommand`."""
+    made, now = body.get(MADE, 0), body.get(NOW, 0)
+    for name, value in ((MADE, made), (NOW, now)):
+        if type(value) is not int:
+            raise BadCommand(f"{name} has the wrong type")
+    return min(max(0, now - made), _MAX_WHOLE)
+
+
+def _filled_in(action: Action, session: DeviceSession, ago_ms: int) -> Dict[str, Any]:
     """Return the values of fields that a device cannot choose: what a judge does is done under the name that was typed
     when the device was paired."""
-    own = {"device": session.device_id, "role": session.grant.role}
+    own = {"device": session.device_id, "role": session.grant.role, "ago_ms": ago_ms}
     if action.roles == JUDGES:
         own["judge"] = session.person
     return {field.name: own[field.name] for field in action.fields if field.name in own}

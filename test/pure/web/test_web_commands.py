@@ -1,6 +1,7 @@
 """Commands of paired devices: who may give which, and what the server makes of their answers."""
 
 import asyncio
+import dataclasses
 import json
 import threading
 
@@ -9,6 +10,8 @@ from tornado import httpclient
 
 from helpers.public_box import PublicBox
 from helpers.served_pages import ServedPages
+from roah_rsbb.model.actions import EVERY
+from roah_rsbb.model.fields import Number
 from roah_rsbb.model.results import DIFFER, Given, JudgedItem, JudgedRun, Judging, RunLine, RunSheet
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.web.commands import FIELDS, BadCommand, Outcome, command_of, may
@@ -73,11 +76,21 @@ def test_a_judge_gives_own_ratings_only():
     ("mark", {**MARK, "added": 1}), ("mark", {**MARK, "value": 2**31}), ("mark", {**MARK, "value": 1.5}),
     ("mark", {**MARK, "note": "x" * 501}), ("stop", {"identity": None}),
     ("stop", {"identity": ["x"]}), ("mark", {**MARK, "note": "\ud83e"}),
-    ("operation", {"given": [1]}), ("start", {"given": "x"}),
+    ("operation", {"given": [1]}), ("start", {"given": "x"}), ("mark", {**MARK, "made": "1", "now": 2}),
+    ("mark", {**MARK, "made": 1, "now": True}),
 ])
 def test_malformed_commands_are_refused(name, body):
     with pytest.raises(BadCommand):
         command_of(name, body, session())
+
+
+def test_a_wrong_clock_of_a_phone_does_not_matter(monkeypatch):
+    mark = EVERY["mark"]
+    monkeypatch.setitem(EVERY, "mark", dataclasses.replace(mark, fields=(*mark.fields, Number("ago_ms", "Ago"))))
+    for more, ago in (({"made": 86_400_000, "now": 86_520_000}, 120_000), ({"made": 9, "now": 8}, 0), ({}, 0),
+                      ({"ago_ms": 7}, 0), ({"made": 0, "now": 2**40}, 2**31 - 1)):
+        given = command_of("mark", {**MARK, **more}, session()).fields["given"]
+        assert given["ago_ms"] == ago and not {"made", "now"} & set(given)
 
 
 def test_a_page_of_an_earlier_version_does_not_set_what_it_adds():
