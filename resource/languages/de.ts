@@ -517,6 +517,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Without encryption, browsers do not let this page keep the screen on in a run, open without a network or be installed. For that, organisers make a certificate: &apos;new_competition --certificate&apos;</source>
+        <translation>Ohne Verschlüsselung erlauben Browser dieser Seite nicht, den Bildschirm im Lauf anzulassen, ohne Netz zu öffnen und installiert zu werden. Dafür erstellen Veranstalter ein Zertifikat: „new_competition --certificate“</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>This browser does not trust the certificate of the box, so this page does not open without a network and cannot be installed. Install phones.crt, which the organisers have, then open the page again</source>
+        <translation>Dieser Browser vertraut dem Zertifikat der Box nicht. Deshalb öffnet diese Seite nicht ohne Netz und kann nicht installiert werden. Installieren Sie phones.crt, das die Veranstalter haben, und öffnen Sie die Seite dann neu</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>End the pairing of this device</source>
         <translation>Kopplung dieses Geräts beenden</translation>
     </message>

@@ -26,14 +26,14 @@ export class BoxClock {
 }
 
 // `onChange` is called when something on the page may change, with the names of the documents that came; none: the data
-// became old or current again. `path` and `query` name the documents.
+// became old or current again. `path` and `query` name the documents. `known`: those of before, which are old.
 export class Live {
-  constructor(path, query, onChange, silentS = SILENT_S) {
+  constructor(path, query, onChange, silentS = SILENT_S, known = null) {
     this.silentS = silentS;
-    this.data = {};  // document by name
+    this.data = known || {};  // document by name
     this.missed = 0;  // changes that were replaced by later ones before they came
     this.clock = new BoxClock();
-    this.silentSince = null;  // the box's clock at the last sign of life, while the data is old; 0: not known
+    this.silentSince = known ? 0 : null;  // the box's clock at the last sign of life, while the data is old; 0: not known
     this.said = 0;  // what the gateway said of the box's clock last
     this.onChange = onChange;
     this.numbers = {};

@@ -7,9 +7,9 @@ const LOOK_MS = 1000;
 const FAR = 0.85;  // how much of the way the slide must go
 const TOUCHED = "roah_rsbb_touched";
 
-// Locks the page `place` when it lay idle or its phone slept. `texts()`: those of the page. Returns a function for the
-// text that the cover must not hide.
-export function lockWhenIdle(place, texts) {
+// Locks the page `place` when it lay idle or its phone slept. `texts()`: those of the page. In a run (`isRunning()`) it may
+// lie idle, and the cover lets the clock be seen. Returns a function for the text that the cover must not hide.
+export function lockWhenIdle(place, texts, isRunning) {
   const cover = document.createElement("div"), track = document.createElement("div"), knob = document.createElement("button");
   const title = document.createElement("p"), hint = document.createElement("span");
   cover.className = "lock";
@@ -53,9 +53,17 @@ export function lockWhenIdle(place, texts) {
     }
   };
   ["pointerdown", "keydown"].forEach((kind) => window.addEventListener(kind, touch, true));
-  const look = () => Date.now() - touched > IDLE_MS && setLocked(true);
+  const look = () => {
+    const isInRun = isRunning();
+    cover.classList.toggle("clear", isInRun);
+    if (Date.now() - touched > IDLE_MS) {
+      setLocked(true);
+    } else if (isInRun) {
+      touched = Date.now();
+    }
+  };
   setInterval(look, LOOK_MS);
-  window.addEventListener("wake", () => setLocked(true));
+  window.addEventListener("wake", () => (look(), setLocked(true)));
   look();
 
   // One finger slides: a hand that lies on the page moves with several contacts.

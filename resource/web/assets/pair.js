@@ -1,6 +1,7 @@
 // Pairs this device. The link of the QR code is in the address after #, so it is in no log. It begins with the code.
 
 import {address, html, parameters, show, useEffect, useState} from "/assets/parts.js";
+import {Missing} from "/assets/phone.js";
 import {ask, deviceName, ownPage, reasonsText, roleText} from "/assets/device.js";
 
 const NAME = "roah_rsbb_name";
@@ -81,7 +82,8 @@ function Pair({live, words}) {
       <button class="main" disabled=${isBusy}>${texts.pair}</button>
     </form>
     <p class="nothing">${texts.pair_how}</p>
-    ${isOpen && html`<p class="nothing">${texts.not_encrypted}</p>`}`;
+    ${isOpen && html`<p class="nothing">${texts.not_encrypted}</p>`}
+    <${Missing} texts=${texts} />`;
 }
 
 show(Pair, ["page.words", "page.device_words"]);

@@ -7,7 +7,9 @@ import {ask, reasonsText, roleText} from "/assets/device.js";
 import {Marks, nameOf, send} from "/assets/commands.js";
 import {Cells, Command, Twice} from "/assets/buttons.js";
 import {Keys, listen} from "/assets/keys.js";
+import {drop, keep, kept} from "/assets/kept.js";
 import {lockWhenIdle} from "/assets/lock.js";
+import {Missing, stayAwake} from "/assets/phone.js";
 import {Nav, Part, isSent, partsOf} from "/assets/box.js";
 import {HeadReferee, JudgeRun} from "/assets/judging.js";
 import {FinishedRun} from "/assets/runs.js";
@@ -18,6 +20,7 @@ const ASK_AGAIN_MS = 1500;
 const SOON = 1;
 const SWITCHES = 10;
 const CHANGED_MS = 600;
+const SHOWN = "shown", KEPT_MS = 2000;
 
 const language = parameters.get("language") || "";
 const place = document.getElementById("page");
@@ -58,8 +61,12 @@ class Guard extends Component {
 async function begin() {
   const answer = await ask("GET", "session");
   if (answer.status === 200) {
+    const isOpen = state.live && state.session && state.session.id === answer.body.id;
     state.session = answer.body;
     strip.pair(true);
+    if (isOpen) {  // as it was kept
+      return;
+    }
     state.part = partsOf(answer.body).includes(state.part) ? state.part : OWN;
     open(answer.body.zone || parameters.get("zone") || "");
   } else if (answer.status === 401) {
@@ -68,13 +75,35 @@ async function begin() {
     if (state.live) {
       state.live.close();
     }
+    drop(SHOWN, location.pathname).catch(() => {});
     openWords();
   } else {
     setTimeout(begin, ASK_AGAIN_MS);
+    state.session === undefined && openKept();
   }
 }
 
-function open(zone) {
+// Without a link, the page begins with what it has shown last.
+async function openKept() {
+  const shown = (await kept(SHOWN).catch(() => [])).find(({path}) => path === location.pathname);
+  if (shown && state.session === undefined) {
+    state.session = shown.session;
+    open(shown.zone, shown.data);
+    changed(Object.keys(shown.data));
+  }
+}
+
+// Notes what is shown, but not each second.
+function keepShown() {
+  state.keeping = state.keeping || setTimeout(() => {
+    state.keeping = null;
+    const {session, zone, live} = state;
+    const data = Object.fromEntries(Object.entries(live.data).filter(([name]) => !name.startsWith("part.")));
+    session && keep(SHOWN, location.pathname, {path: location.pathname, session, zone, data}).catch(() => {});
+  }, KEPT_MS);
+}
+
+function open(zone, known = null) {
   if (zone !== state.zone) {
     state.known = null;
   }
@@ -83,7 +112,7 @@ function open(zone) {
   if (state.live) {
     state.live.close();
   }
-  state.live = new Live("device", query(), changed, SILENT_S);
+  state.live = new Live("device", query(), changed, SILENT_S, known);
   window.live = state.live;  // for the browser's console, and for tests
   state.marks.isLinked = () => state.live.silentSince === null;
 }
@@ -129,6 +158,8 @@ function changed(names = []) {
   }
   const zone = zoneNow(), zones = state.live.data["page.zones"], texts = state.live.data["page.device_words"];
   speak(texts);
+  stayAwake(isRunning());
+  state.session && state.live.silentSince === null && keepShown();
   if (zone) {
     state.shown = zone.zone;
     strip.show(zone.zone);
@@ -359,6 +390,7 @@ function Commands({zone, texts}) {
         <${Reason} key=${zone.identity} zone=${zone} texts=${texts} />
       </details>
       <${Keys} texts=${texts} />
+      <${Missing} texts=${texts} />
     </section>`;
 }
 
@@ -506,7 +538,9 @@ function Zones({zones, texts}) {
     </section>`;
 }
 
-// Signals for the ear and the hand: 30 s and 10 s before the end, and the end.
+const isRunning = () => Boolean(state.known && state.known.phase === "running");
+
+// Signals for the ear and the hand: the start, 30 s and 10 s before the end, and the end.
 function useSignals(zone, clock) {
   const before = useRef({});
   useEffect(() => {
@@ -518,6 +552,8 @@ function useSignals(zone, clock) {
     }
     if (was.phase === "running" && now.phase === "ended") {
       strip.signal(440, [600, 150, 600]);
+    } else if (was.phase !== "running" && now.phase === "running") {
+      strip.signal(660, [300]);
     } else if (now.phase === "running" && now.hurry >= SOON && was.hurry < now.hurry) {
       strip.signal(550, [200]);
     }
@@ -635,5 +671,5 @@ listen(place, (key) => {
   state.said = texts && key ? texts.really.replace("{command}", () => key) : "";
   draw();
 });
-const setOnLock = lockWhenIdle(place, () => state.live && state.live.data["page.device_words"]);
+const setOnLock = lockWhenIdle(place, () => state.live && state.live.data["page.device_words"], isRunning);
 begin();

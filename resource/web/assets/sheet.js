@@ -40,9 +40,9 @@ function Item({item, zone, waiting, refused, mark, texts, judge, give}) {
         <span class="sending" role="status">${refused.length > 0 || late ? "⚠" : waiting.length > 0 && "…"}${
           waiting.length > 0 && html`<span class="unseen">${waiting.map((one) =>
             texts.sending.replace("{mark}", () => one.shown)).join("; ")}</span>`}</span>
-        <span class="value"><strong class="shown">${shown}</strong>
-          ${late ? html`<span class="points">${texts.queued.replace("{number}", () => waiting.length)}</span>`
-            : zone.points && html`<span class="points">${item.points}</span>`}</span></div>
+        <span class="value"><span><strong class="shown">${shown}</strong>${
+          late && html` <small>${texts.queued.replace("{number}", () => waiting.length)}</small>`}</span>
+          ${zone.points && html`<span class="points">${item.points}</span>`}</span></div>
       <div class="controls">
         ${item.type === "bool" && !judge && [["yes", 1], ["no", 0]].map(([word, value]) => html`
           <button type="button" aria-pressed=${!item.not_attempted && item.value === value}

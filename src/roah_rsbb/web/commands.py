@@ -25,7 +25,7 @@ _MAX_WHOLE = 2**31 - 1
 
 # What a page says of what it shows, with each action of the table: the run, and the event at which it is.
 SHOWN: Dict[str, type] = {"identity": str, "event_id": str}
-# When something was entered, and when it is sent, both in ms of the device's clock: whether that is right does not matter.
+# When something was entered, and when it is sent, both in ms of the device's clock, which may be wrong.
 MADE, NOW = "made", "now"
 # What a request has besides the values of an action's fields; `language`: of the page, for the answer.
 _BESIDE = {"zone", "language", "given", MADE, NOW, *SHOWN}

@@ -5,6 +5,9 @@ paired device may write (`own_pages.py`, `commands.py`).
 """
 
 import asyncio
+import functools
+import hashlib
+import json
 import os
 import pathlib
 import socket
@@ -48,6 +51,11 @@ _KINDS = {"box": " device referee"}
 _PARTS = ("tokens", "dark", "parts")
 _STYLES: Dict[str, Tuple[str, ...]] = {"box": ("pages", *_PARTS, "stop", "box")}
 _MEDIA = {"dark": ' media="(prefers-color-scheme: dark)"'}
+# What makes a page one that a phone can install.
+_INSTALLED = ('<link rel="manifest" href="/assets/manifest.json">',
+              '<link rel="apple-touch-icon" href="/assets/icon-192.png">')
+# Files that a page needs, besides texts such as licences.
+_NEEDED = (".js", ".css", ".svg", ".woff2", ".json", ".png")
 PAGES_OF_DEVICES = ("pair", *PAGES_WITH_STOP, "displays", "codes")
 PAGES = (*DISPLAYS, *PAGES_OF_DEVICES)
 # A device that scores makes some requests a second. A crowd behind the same address has other limits.
@@ -305,13 +313,41 @@ class PageHandler(OfDevice):
         self.finish(page.format(
             again=again, name=name or "index", kind=_KINDS.get(name, " device") if name in PAGES_OF_DEVICES else "",
             script="referee" if name in PAGES_WITH_STOP else name or "index",
-            styles="\n  ".join(f'<link rel="stylesheet" href="/assets/{style}.css"{_MEDIA.get(style, "")}>'
-                                for style in _STYLES.get(name or "index", ("pages",))),
+            styles="\n  ".join([
+                *(f'<link rel="stylesheet" href="/assets/{style}.css"{_MEDIA.get(style, "")}>'
+                  for style in _STYLES.get(name or "index", ("pages",))),
+                *(_INSTALLED if name in PAGES_OF_DEVICES else ())]),
             layout="" if name in DISPLAYS else 'data-layout="list"',
             stop='<script src="/assets/stop.js"></script>' if has_stop else "",
         ))
 
     head = get
+
+
+class WorkerHandler(Guarded):
+    """The script that opens the pages of paired devices without a network. It names their files and their version."""
+
+    def initialize(self, server: WebServer, folder: pathlib.Path) -> None:
+        super().initialize(server)
+        self._folder = folder
+
+    def get(self) -> None:
+        """Return it."""
+        set_headers(self, {"Content-Type": "text/javascript; charset=utf-8", "Cache-Control": "no-cache"})
+        self.finish(worker(self._folder))
+
+    head = get
+
+
+@functools.lru_cache(1)
+def worker(folder: pathlib.Path) -> str:
+    """Return the script of `WorkerHandler`. It is read once: the files belong to this version of the box."""
+    own = [folder / name for name in ("page.html", "again.js", "worker.js")]
+    files = sorted(path for path in (folder / "assets").rglob("*") if path.suffix in _NEEDED)
+    digests = [hashlib.sha256(path.read_bytes()).digest() for path in (*own, *files)]
+    version = hashlib.sha256(b"".join(digests)).hexdigest()
+    paths = [*(f"/{page}" for page in PAGES_WITH_STOP), *(f"/{path.relative_to(folder)}" for path in files)]
+    return f"const VERSION = {json.dumps(version)}, FILES = {json.dumps(paths)};\n{own[-1].read_text('utf-8')}"
 
 
 class SchemaHandler(FileHandler):
@@ -362,6 +398,7 @@ def _routes(folder: str) -> List[Tuple[str, Type[web.RequestHandler], Dict[str, 
             ("codes", CodesHandler), ("teams/([^/]+)", TeamHandler),
         )),
         (r"api/v1/schemas/([a-z]+\.json)", SchemaHandler, {"path": os.path.join(folder, "schemas")}),
+        ("worker[.]js", WorkerHandler, page),
         ("assets/(.*)", FileHandler, {"path": os.path.join(folder, "assets")}),
         ("logos/([^/]+)", LogoHandler, {}),
         ("()", PageHandler, page), (f"({'|'.join(PAGES)})", PageHandler, page), ("(team)/[^/]+", PageHandler, page),

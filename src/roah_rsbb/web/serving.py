@@ -64,7 +64,7 @@ _HEADERS = {
 # Pages load and run nothing from other sites, have no scripts within the page but the one that is named, and no other
 # site may show them in a frame. The WebSocket is named because older browsers do not count it as 'self'.
 _POLICY = (
-    "default-src 'none'; script-src {scripts}; style-src 'self'; img-src 'self'; font-src 'self'; "
+    "default-src 'none'; script-src {scripts}; style-src 'self'; img-src 'self'; font-src 'self'; manifest-src 'self'; "
     "connect-src 'self' ws://{host} wss://{host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 

@@ -107,6 +107,12 @@ def page_words() -> Dict[str, Any]:
                 "A code comes from an organiser's page (Whole box, Teams), or from 'referee pair' in a terminal. It "
                 "is valid for two minutes, for one device."),
             code="Code", your_name="Your name", this_device="This device", pair="Pair", paired_as="Paired: {role}",
+            needs_certificate=(
+                "Without encryption, browsers do not let this page keep the screen on in a run, open without a network "
+                "or be installed. For that, organisers make a certificate: 'new_competition --certificate'"),
+            needs_trust=(
+                "This browser does not trust the certificate of the box, so this page does not open without a network "
+                "and cannot be installed. Install phones.crt, which the organisers have, then open the page again"),
             end_pairing="End the pairing of this device", not_encrypted=NOT_ENCRYPTED, referee_page="Referee's page",
             our_robot="Our robot", team_code="Code of the team", see_robot="Show what the box sees of our robot",
             codes="Codes of the teams", new_codes="New codes", print="Print",

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import socket
 from base64 import b64encode
 from hashlib import sha256
@@ -15,7 +16,7 @@ from helpers.served_pages import FOLDER, NAMES, ServedPages
 from roah_rsbb.web import serving
 from roah_rsbb.web.limits import Places, Rates
 from roah_rsbb.web.numbered import Viewer
-from roah_rsbb.web.server import BEAT_S, LOOK_S, WebServer
+from roah_rsbb.web.server import BEAT_S, LOOK_S, WebServer, worker
 
 
 class Served(ServedPages):
@@ -73,6 +74,20 @@ def test_every_page_has_its_protection(served, path, kind):
     assert "frame-ancestors 'none'" in policy
     assert answer.headers["X-Content-Type-Options"] == "nosniff"
     assert ("Access-Control-Allow-Origin" in answer.headers) == path.startswith("/api/")
+
+
+def test_the_worker_keeps_what_its_pages_need_until_a_file_is_another_one(served, tmp_path):
+    script = served.get("/worker.js").body.decode()
+    paths = json.loads(re.search(r"FILES = (\[.*?\]);", script).group(1))
+    assert {served.get(path).code for path in paths} == {200}
+    page = served.get("/referee").body.decode()
+    assert {*re.findall(r'(?:src|href)="(/[^"]+)"', page)} <= {*paths}
+    shutil.copytree(FOLDER, tmp_path / "web")
+    folder = tmp_path / "web"
+    assert worker(folder) == script
+    (folder / "assets" / "live.js").write_text("// another version")
+    worker.cache_clear()
+    assert worker(folder) != script
 
 
 def test_the_host_in_the_policy_cannot_be_chosen(served):
