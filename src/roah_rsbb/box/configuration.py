@@ -291,7 +291,7 @@ class Reloads:
         runs = self._in_loop(lambda: self._box.reload.rescoring(content.config))()
         found = Reloaded(warnings=self._configuration.warnings_of(content, ran), changes=changes,
                          errors=self._in_loop(lambda: self._box.reload.off(content.config)),
-                         rescored=[str(run) for run in runs if run.before.points != run.after.points])
+                         rescored=[str(run) for run in runs if run.has_other_points])
         if found.errors:
             return found
         found = found._replace(digest=content.digest)

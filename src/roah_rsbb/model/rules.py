@@ -139,6 +139,7 @@ class Incident:
     longer_by: str = ""  # the incident that extends this time, by its fact `seconds`
     longer: Number = None  # seconds that one extension may have at most
     requests: Optional[int] = None  # how many extensions are allowed
+    at_end: Tuple[str, ...] = ()  # it also comes when a run ends in one of these ways: the team was missing or withdrew
 
     @property
     def title(self) -> str:

@@ -60,7 +60,7 @@ td.when { min-width: 23mm; width: 23mm; white-space: normal; font-size: 8.5pt; }
 .front table.facts td { width: 68mm; } .front h2 { margin-top: 4mm; }
 .scores table { margin: 0 0 2.5mm; } .scores th.title { font-size: 10pt; color: var(--text); }
 .scores td.value { width: 25mm; min-width: 25mm; text-align: right; white-space: normal; }
-.scores tr:first-child { break-after: avoid; }
+.scores tr:first-child { break-after: avoid; } .scores tr:last-child { break-before: avoid; }
 .scores .number { width: 14mm; } .scores.two, .scores.three { column-gap: 6mm; font-size: 8.5pt; }
 .scores.two { columns: 2; } .scores.three { columns: 3; font-size: 7pt; }
 .scores.two tr { height: 4.6mm; } .scores.three tr { height: 3.6mm; }

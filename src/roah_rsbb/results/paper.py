@@ -8,8 +8,9 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.model.records import ItemRecord, RunRecord, SheetPoints, grouped
-from roah_rsbb.model.scoring import INCIDENTS, ScoreKind, ScoringItem
+from roah_rsbb.model.reason import Reason
+from roah_rsbb.model.records import ItemRecord, RunRecord, SheetPoints
+from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, tag
 from roah_rsbb.results.runs import run_state_text, signature_of, taken_s, taken_text
 from roah_rsbb.results.standings import DISQUALIFIED, criteria_of, number_text, number_with_unit
@@ -17,6 +18,7 @@ from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent
 from roah_rsbb.rulebook.standing_rules import DEFAULT, Rules
 from roah_rsbb.scoring.counting import amount_of, exact
 from roah_rsbb.scoring.standings import standing_of_run
+from roah_rsbb.scoring.tree import LATE, RULINGS
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.sheets import counting_text, scores_by_group
 from roah_rsbb.wording.texts import one_line
@@ -180,7 +182,7 @@ def _item_groups(record: RunRecord, rules: Optional[Rules]) -> Iterator[Group]:
         yield from _groups_with_points(record, record.points)
         return
     rules = rules or DEFAULT
-    for name, items in grouped(record.items).items():
+    for name, items in sheets.grouped_shown(record.items).items():
         lines = [Line(_what(item), _value(item), _points(rules, [item])) for item in items]
         total = _points(rules, items)
         if total and len(items) > 1:
@@ -191,12 +193,8 @@ def _item_groups(record: RunRecord, rules: Optional[Rules]) -> Iterator[Group]:
 def _groups_with_points(record: RunRecord, points: SheetPoints) -> Iterator[Group]:
     """Yield the groups of a sheet that gives points."""
     totals = dict(points.groups)
-    groups = grouped(record.items)
-    for name, all_items in groups.items():
-        items = [item for item in all_items
-                 if name != INCIDENTS or sheets.is_marked(item.value, item.text) or item.points not in ("", "0")]
-        if not items:
-            continue
+    groups = sheets.grouped_shown(record.items)
+    for name, items in groups.items():
         lines = [Line(_what(item), _value(item), item.points) for item in items]
         if name in totals and (len(items) > 1 or totals[name] != items[0].points):
             lines.append(Line(f"Total of {name}", "", totals[name]))
@@ -256,10 +254,21 @@ def _remarks(record: RunRecord) -> Iterator[str]:
     for entry in record.history:
         if entry.note and not entry.withdrawn_utc:
             yield f"{entry.desc}: {entry.note}"
+    yield from _rulings(record)
     for objection in record.publication.objections:
         decision = f"{'upheld' if objection.upheld else 'rejected'}: {objection.answer}" if objection.answered_utc \
             else "not answered"
         yield f"Objection of {objection.by}: {objection.text}: {decision}"
+
+
+def _rulings(record: RunRecord) -> Iterator[str]:
+    """Yield what does not count on the sheet, and why. What came too late is one remark."""
+    steps = [] if record.points is None else [step for step in record.points.steps if isinstance(step, Reason)]
+    late = [step.values for step in steps if step.template == LATE]
+    if late:
+        marks = ", ".join(f"{each['item']} ({each['time']})" for each in late)
+        yield f"After the limit of {late[0]['limit']}, so not counted: {marks}"
+    yield from (step for step in steps if step.template in RULINGS and step.template != LATE)
 
 
 # -- the page ---------------------------------------------------------------------------------------

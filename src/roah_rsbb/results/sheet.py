@@ -3,7 +3,7 @@
 from functools import partial
 from typing import Iterator, List, Optional, Tuple
 
-from roah_rsbb.model.records import ItemRecord, RunRecord, SheetVersion, StopRecord, grouped, ratings, submitted
+from roah_rsbb.model.records import ItemRecord, RunRecord, SheetVersion, StopRecord, ratings, submitted
 from roah_rsbb.results.events import Section, box_states, robot_states, sections
 from roah_rsbb.results.link_report import LinkRows, link_lines, link_plot
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, facts_table, joined, page, table, tag
@@ -99,7 +99,7 @@ def _by(who: str) -> str:
 
 
 def _items(record: RunRecord) -> Iterator[str]:
-    for group, items in grouped(record.items).items():
+    for group, items in sheets.grouped_shown(record.items).items():
         yield from _titled(line(group), [
             f"{line(sheets.in_words(item)):>13}{_points(item)}  {line(item.desc)}{_ratings(record, item)}"
             + (f"  ({sheets.CORRECTED})" if item.corrected else "")
@@ -218,7 +218,7 @@ def _items_markup(record: RunRecord) -> Iterator[Markup]:
     yield tag("h2", "Scores of the referee")
     has_points = record.points is not None
     points = dict(record.points.groups) if record.points is not None else {}
-    for group, items in grouped(record.items).items():
+    for group, items in sheets.grouped_shown(record.items).items():
         yield tag("h3", f"{group}: {points[group]} points" if group in points else group)
         yield table(("Value", *(("Points",) if has_points else ()), "Item", ""), [
             (

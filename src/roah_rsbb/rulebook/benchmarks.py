@@ -35,13 +35,6 @@ class Restarts(enum.Enum):
     NOT_ALLOWED = "not allowed"
 
 
-class NoShow(enum.Enum):
-    """How an event counts if its team did not appear or withdrew."""
-
-    NO_SCORE = "no score"  # the standings list it without a score
-    ZERO = "zero"  # as a run with nothing on its score sheet
-
-
 @dataclass(frozen=True)
 class PhaseRule:
     """A phase of a task benchmark. The referee moves the run to the next one."""
@@ -60,7 +53,7 @@ class EventRules:
     restarts: Restarts = Restarts.CLOCK_RUNS
     pause: bool = False  # whether the referee may pause the clock
     phases: Tuple[PhaseRule, ...] = ()
-    no_show: NoShow = NoShow.NO_SCORE
+    absent: Tuple[str, ...] = ()  # ends of runs that were not held, but count: an incident of the sheet comes with them
 
 
 NO_RULES = EventRules()

@@ -8,7 +8,7 @@ from dataclasses import fields, is_dataclass
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Optional
 
 from roah_rsbb.model.rules import AttemptsRule, Item
-from roah_rsbb.model.scoring import ScoreKind
+from roah_rsbb.model.scoring import ScoreKind, SheetForm
 from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.errors import quote
 from roah_rsbb.rulebook.event_ids import EventKey, key_of
@@ -20,6 +20,7 @@ _NAMES = {"own": "", "rules": "", "desc": "subject", "name": "title", "least": "
 # Times in seconds, in files without this unit.
 _SECONDS = {"limit_s": "time limit", "clock_s": "time of the run, of which some may be left"}
 # Those of a benchmark by which its sheets are scored.
+_ROWS = ((Benchmark, "scoring"), (SheetForm, "items"))
 _OF_SHEET = ("scoring", "sheet")
 
 
@@ -92,7 +93,7 @@ def differences(name: str, before: Any, after: Any) -> List[str]:
         found = []
         for field in fields(before):
             label = _NAMES.get(field.name, field.name.replace("_", " "))
-            if isinstance(before, Benchmark) and field.name == "scoring" and before.sheet != after.sheet:
+            if (type(before), field.name) in _ROWS and getattr(before, "sheet", None) != getattr(after, "sheet", None):
                 continue  # its rows are those of the sheet
             values = getattr(before, field.name), getattr(after, field.name)
             if field.name in _SECONDS and values[0] != values[1]:

@@ -11,6 +11,7 @@ from decimal import Decimal
 from typing import Any, Dict, FrozenSet, Iterable, List, Optional, Set, Tuple
 
 from roah_rsbb.ground import linux
+from roah_rsbb.model.records import NOT_RUN
 from roah_rsbb.model.rules import NO_SHEET, Measure, Sheet
 from roah_rsbb.model.scoring import Agreement, JudgesRule, ScoringItem, rows
 from roah_rsbb.rulebook.benchmarks import (
@@ -21,7 +22,6 @@ from roah_rsbb.rulebook.benchmarks import (
     CountingAttempt,
     Durable,
     EventRules,
-    NoShow,
     PhaseRule,
     Restarts,
     ScheduledEvent,
@@ -114,6 +114,8 @@ _RULES = {
     "no_show": "how an event counts whose team did not appear",
 }
 _LATE_MARKS = ("count", "do not count")
+# The key `no_show` is of files before 2026-12, whose incidents did not come with the end of a run.
+_NO_SHOW = {"no score": (), "zero": tuple(reason.name.lower() for reason in NOT_RUN)}
 _PAUSE = {"allowed": True, "not allowed": False}
 _PHASES_SHAPE = "phases '- {name: ..., limit: 120}'"
 _BENCHMARKS_SHAPE = "benchmarks, '- name: ...' and so on"
@@ -187,6 +189,8 @@ class BenchmarksFile:
                     "it ends the run before the first goal's time is over",
                 )
             if name is not None and desc is not None and profile is not None and rules is not None:
+                ends = [end for incident in sheet.incidents for end in incident.at_end]
+                rules = replace(rules, absent=tuple(dict.fromkeys([*rules.absent, *ends])))
                 self.by_code[code] = Benchmark(
                     code, name, desc, timeout, total, scoring, profile, rules, about, judges,
                     objection_time or 0.0, sheet)
@@ -230,7 +234,7 @@ class BenchmarksFile:
             ("attempt_counts", "counting", {each.value: each for each in CountingAttempt}),
             ("restarts", "restarts", {each.value: each for each in Restarts}),
             ("pause", "pause", _PAUSE),
-            ("no_show", "no_show", {each.value: each for each in NoShow}),
+            ("no_show", "absent", _NO_SHOW),
         ):
             if key in got:
                 word = choice(report, got[key], key, tuple(words), _RULES[key])

@@ -202,5 +202,6 @@ def _of_incident(sheet: Sheet, incident: Incident) -> Iterator[str]:
     if incident.below is not None and incident.below <= 0 and not incident.net:
         yield f"{name} is never allowed: no points are less than {incident.below}"
     named = {other for each in sheet.incidents for other in (*each.ends, each.longer_by, each.of)}
-    if incident.voids is Voids.NOTHING and not incident.marks and not incident.pauses and incident.name not in named:
+    if incident.voids is Voids.NOTHING and not incident.marks and not incident.pauses and (
+            incident.name not in named and not incident.at_end):
         yield f"nothing follows from {name}"

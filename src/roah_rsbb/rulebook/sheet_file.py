@@ -8,6 +8,7 @@ from dataclasses import replace
 from decimal import Decimal
 from typing import Dict, Iterator, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.model.records import NOT_RUN
 from roah_rsbb.model.rules import Condition, Incident, Item, ItemChoice, JuryResult, Measure, Sheet, Voids
 from roah_rsbb.model.scoring import MAX_DECIMALS, MAX_NUMBER, MAX_VALUE
 from roah_rsbb.rulebook.errors import Place, Report, listing, quote
@@ -57,7 +58,9 @@ _INCIDENT = {
     "times": "1", "below": "40", "net": "yes", "when": "audience interference", "unless": "announced",
     "voids": "earlier", "marks": "Cheating", "scored_after": "yes", "until": "restarted", "pauses": "yes",
     "of": "inactive", "after": "30", "longer_by": "longer time", "longer": "180", "requests": "1",
+    "at_end": "no_show",
 }
+_ENDS = tuple(reason.name.lower() for reason in NOT_RUN)
 _VOIDS = {each.value: each for each in Voids}
 _MAX_DEPTH = 100  # rows that depend on each other, one after the other
 _NO_SECONDS = Decimal("0.001")
@@ -488,6 +491,8 @@ class _Incidents:
             of=words["of"], after=numbers["after"],
             longer_by=words["longer_by"], longer=numbers["longer"],
             requests=integer(report, got.get("requests"), "requests", 1, MAX_VALUE),
+            at_end=tuple(filter(None, [choice(report, each, "at_end", _ENDS, "how a run ends that was not held")
+                                       for each in _words(report, got.get("at_end"), "at_end")])),
         )
         for one, other in (("of", "after"), ("after", "of"), ("longer", "longer_by"), ("requests", "longer_by"),
                            ("longer_by", "after"), ("net", "below"), ("scored_after", "marks")):

@@ -94,7 +94,8 @@ class RunBook:
         """`over`: the run is over, so changes are corrections."""
         self.state = state or BookState()
         self.form = form
-        self.sheet = ScoreSheet(form.items, self.state.sheet, sheet_of(form))
+        self.rules = sheet_of(form)
+        self.sheet = ScoreSheet(form.items, self.state.sheet, self.rules)
         self.judges = Judges(form, self.state.judging)
         self.publication = Publication(form, self.state.publication)
         self._over = over
@@ -112,6 +113,9 @@ class RunBook:
         reason_by = by.who if by.reason else ""
         stops = self.state.stops
         stops.append(StopRecord(now.utc, by.who, end_reason, desc, by.reason, reason_by, round(elapsed_s, 3)))
+        for row, incident in ((row, incident) for row in self.form.items for incident in self.rules.incidents):
+            if (row.group, row.id) == (INCIDENTS, incident.name) and end_reason in incident.at_end:
+                self.sheet.set(now, by.who, Mark(*row.key, added="1"), self._over, elapsed_s)
         if len(stops) > MAX_STOPS:
             del stops[next((i for i, stop in enumerate(stops) if not stop.reason), 0)]
 
@@ -198,7 +202,7 @@ class RunBook:
     def _clock_s(self, now: Now) -> float:
         """Return the counted seconds of an entry of a run that is not in progress. After the time limit they continue
         with the time of day: such an entry is late."""
-        state, limit = self.state, sheet_of(self.form).limit_s
+        state, limit = self.state, self.rules.limit_s
         if limit is None or not state.stops or state.elapsed_s < limit:
             return state.elapsed_s
         return state.elapsed_s + max(0.001, now.utc - state.stops[-1].utc)
@@ -428,6 +432,13 @@ class Rescored(NamedTuple):
 
     before: RunRecord
     after: RunRecord
+
+    @property
+    def has_other_points(self) -> bool:
+        """Whether the team gets other points for it."""
+        one, other = ((each.total, each.for_team) if each is not None else None
+                      for each in (self.before.points, self.after.points))
+        return one != other
 
     def signed(self, decided: SignOff, why: str) -> RunRecord:
         """Return the run afterwards. A signed sheet stays as a version, and the new one is signed by who decided it."""

@@ -24,7 +24,6 @@ from roah_rsbb.rulebook.benchmarks import (
     NO_RULES,
     CountingAttempt,
     EventRules,
-    NoShow,
     ScheduledEvent,
     ZonePlan,
 )
@@ -319,10 +318,10 @@ def _of_attempts(
     if not ran:
         found.update({record.identity: Why.NOT_LAST for record in left})
         if left:
-            # Rule books give a team that does not appear penalty points: what the referee entered counts.
+            # Rule books give a team that does not appear penalty points: what is entered counts.
             entered = any(is_marked(item.value, item.text) for item in left[-1].items)
             found[left[-1].identity] = (
-                Why.COUNTS if entered else Why.ZERO if event.no_show is NoShow.ZERO else Why.NO_SCORE)
+                Why.COUNTS if entered else Why.ZERO if left[-1].end_reason in event.absent else Why.NO_SCORE)
         return found
     first = max((place for place, record in enumerate(ran) if replaces(record)), default=0)
     found.update({record.identity: Why.NOT_LAST for record in ran[:first]})

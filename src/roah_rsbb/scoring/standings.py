@@ -205,6 +205,9 @@ COUNTING = {
 }
 
 
+SEVERAL_SCALES = "weighted sum, each part in its own way: see the steps"
+
+
 def stage_standings(rules: StandingRules, records: Sequence[RunRecord], choice: RunChoice) -> List[Standing]:
     """Return the standings of the stages. A team that has no run in a benchmark, or is
     disqualified, gets 0 there."""
@@ -259,7 +262,8 @@ def _stage_standing(
                  (line.total, *line.numbers, *([line.adjusted] if stage.adjustments else [])), line.disqualified,
                  tuple(runs[result.run] for result in line.results), tuple(range(len(line.results))))
         for line in ranked.lines)
-    counting = COUNTING[stage.normalised]
+    scales = {column.normalised or stage.normalised for column in stage.of}
+    counting = COUNTING[scales.pop()] if len(scales) == 1 else SEVERAL_SCALES
     if stage.ties:
         counting += f"; in a tie {', then '.join(stage.ties)}"
     return Standing(

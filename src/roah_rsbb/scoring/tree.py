@@ -42,6 +42,10 @@ NOT_GIVEN = say("{why}: 0 of {points}")
 MORE_THAN = say("{item}: {number} ×, but {other} only {times} ×")
 
 
+# Steps that say what does not count or has no effect, and which incident came by itself.
+RULINGS = (LATE, VOID, REFUSED, TOO_OFTEN, TOO_LATE, NO_EFFECT, BY_ITSELF)
+
+
 class SheetMark(NamedTuple):
     """An entry of a sheet. What was withdrawn is not among the marks."""
 

@@ -10,7 +10,7 @@ import re
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from roah_rsbb.model.reason import joined, say
-from roah_rsbb.model.records import ItemRecord, Outage, ScoreEntry, SheetPoints
+from roah_rsbb.model.records import ItemRecord, Outage, ScoreEntry, SheetPoints, grouped
 from roah_rsbb.model.results import HistoryEntry
 from roah_rsbb.model.scoring import INCIDENTS
 from roah_rsbb.model.zone import SheetItem
@@ -200,6 +200,12 @@ def proposal(item: ItemRecord) -> str:
 def _is_by_incident(item: Union[SheetItem, ItemRecord]) -> bool:
     """Whether an item that nobody has marked has points: only an incident gives them."""
     return not (item.not_attempted or is_marked(item.value, item.text)) and item.points not in ("", "0")
+
+
+def grouped_shown(items: Iterable[ItemRecord]) -> Dict[str, List[ItemRecord]]:
+    """Return the items of a sheet by group, as results show them: of the incidents only those that happened."""
+    return grouped(item for item in items if item.group != INCIDENTS or is_marked(item.value, item.text)
+                   or _is_by_incident(item))
 
 
 def ratings_text(ratings: Iterable[Tuple[str, str]]) -> str:

@@ -31,7 +31,7 @@ from roah_rsbb.results.runs import records, run_result
 from roah_rsbb.results.sheet import sheet_lines, sheet_page
 from roah_rsbb.results.standing_pages import index_page
 from roah_rsbb.results.standings import public_standings
-from roah_rsbb.rulebook.benchmarks import CountingAttempt, EventRules, NoShow
+from roah_rsbb.rulebook.benchmarks import CountingAttempt, EventRules
 from roah_rsbb.rulebook.standing_rules import Criterion, Rules, StandingRules, Term
 from roah_rsbb.scoring.counting import RunChoice, Why, attempts_of, rulings
 from roah_rsbb.scoring.standings import standings
@@ -55,7 +55,8 @@ ACTIONS = st.one_of(
               st.sampled_from(CODES)),
     st.tuples(st.just("restart")),
 )
-RULES = st.builds(EventRules, counting=st.sampled_from(CountingAttempt), no_show=st.sampled_from(NoShow))
+RULES = st.builds(EventRules, counting=st.sampled_from(CountingAttempt),
+                  absent=st.sampled_from([(), ("no_show", "withdrawn")]))
 
 
 class Organised:
@@ -170,7 +171,7 @@ def check_sense(known, truth, rules):
         assert not ran or all(truth[record.identity].why is Why.RAN for record in attempts
                               if record.end_reason in ("withdrawn", "no_show"))
         if not ran:
-            zero = rules[code].no_show is NoShow.ZERO
+            zero = bool(rules[code].absent)
             gone = [record for record in attempts if record.end_reason]
             assert counting == (gone[-1:] if zero else [])
 

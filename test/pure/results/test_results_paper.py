@@ -25,6 +25,7 @@ from roah_rsbb.results.sheet import sheet_page
 from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.standing_rules import Criterion, Rules, Term, read_rules
+from roah_rsbb.scoring.tree import LATE, TOO_OFTEN, TOTAL
 
 CONFIG = pathlib.Path(__file__).resolve().parents[3] / "config"
 BENCHMARKS = load_benchmarks(str(CONFIG / "benchmarks.yaml"))
@@ -177,6 +178,11 @@ def test_only_incidents_that_happened_are_printed_and_the_points_once():
     found = front(record._replace(items=(*items, ItemRecord(INCIDENTS, "restart", "uint", 1))))
     assert [(group.title, [line.what for line in group.lines]) for group in found.groups] == [
         ("Test", ["Finds"]), (INCIDENTS, ["restart"])]
+    steps = (*(LATE(item=name, time="7:05.0", limit="7:00.0") for name in ("Finds", "Folds")), TOTAL(points="20"),
+             TOO_OFTEN(incident="Restart", time="", number=2, times=1))
+    assert front(record._replace(points=points._replace(steps=steps))).remarks == (
+        "After the limit of 7:00.0, so not counted: Finds (7:05.0), Folds (7:05.0)",
+        "Restart: time 2, 1 allowed: it has no effect")
 
 
 # -- what does not fit ------------------------------------------------------------------------------

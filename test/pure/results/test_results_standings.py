@@ -14,7 +14,7 @@ from roah_rsbb.model.rules import Adjusted, Adjustment, Attempts, AttemptsRule, 
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.results.standing_pages import standing_markup
 from roah_rsbb.results.standings import number_text, public_standings, run_text, standing_lines
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, CountingAttempt, EventRules, NoShow
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, CountingAttempt, EventRules
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.standing_rules import BY_POINTS, Criterion, Rules, StandingRules, Term, read_rules
 from roah_rsbb.scoring.counting import RunChoice, Why, rulings
@@ -293,8 +293,8 @@ def test_runs_that_were_scored_by_an_earlier_sheet_are_named():
     last = records[1]._replace(opened_utc=records[2].opened_utc + 60.0)
     table = standing("HGTKMH", [records[0], last, records[2]], None, ALL)
     assert [remark for remark in table.remarks if "earlier sheet" in remark] == [
-        f"scored by an earlier sheet (items: '{ACHIEVED}: objects': points 60, now 50): run {records[0].identity}, "
-        f"{records[2].identity}"]
+        f"scored by an earlier sheet (items: 'objects ({ACHIEVED}: objects)': points 60, now 50): run "
+        f"{records[0].identity}, {records[2].identity}"]
 
 
 def test_points_rank_where_a_sheet_gives_them():
@@ -625,17 +625,17 @@ def test_a_team_that_was_not_there_has_no_rank_unless_the_rules_say_zero(end, wo
     records = [attempt(1, objects=2), attempt(2, "B", end)._replace(started_utc=0.0)]
     assert ranks(records) == [(1, "A", (2.0, 0.0))]
     assert f"team B, round 1, run 1: {word}, no score" in remarks(records)
-    zero = counting(no_show=NoShow.ZERO)
+    zero = counting(absent=("no_show", "withdrawn"))
     assert ranks(records, choice=zero) == [(1, "A", (2.0, 0.0)), (2, "B", (0.0, 0.0))]
     assert f"team B, round 1, run 1: {word}, counts as 0" in remarks(records, choice=zero)
 
 
-@pytest.mark.parametrize("no_show", NoShow)
-def test_penalty_points_of_a_team_that_did_not_appear_count(no_show):
+@pytest.mark.parametrize("absent", [(), ("no_show",)])
+def test_penalty_points_of_a_team_that_did_not_appear_count(absent):
     """As RoboCup@Home gives them to a team that does not attend. The table had 0, the sheet -500."""
     absent = pointed("A", 1, "-500", bumps=1)._replace(end_reason="no_show", started_utc=0.0)
     records = [absent, pointed("B", 2, "10")]
-    choice = RunChoice(events={"HGTKMH": EventRules(no_show=no_show)})
+    choice = RunChoice(events={"HGTKMH": EventRules(absent=absent)})
     table = standing("HGTKMH", records, None, choice)
     assert [(line.rank, line.team, line.numbers) for line in table.lines] == [(1, "B", (10.0,)), (2, "A", (-500.0,))]
     total = stage_table([StageColumn("HGTKMH")], records, choice=choice, normalised=Scale.NO)
@@ -645,4 +645,4 @@ def test_penalty_points_of_a_team_that_did_not_appear_count(no_show):
 def test_a_no_show_does_not_replace_a_run_of_the_same_event():
     records = [attempt(1, objects=2), attempt(2, end_reason="no_show")._replace(started_utc=0.0)]
     assert ranks(records) == [(1, "A", (2.0, 0.0))]
-    assert ranks(records[::-1], choice=counting(no_show=NoShow.ZERO)) == [(1, "A", (2.0, 0.0))]
+    assert ranks(records[::-1], choice=counting(absent=("no_show", "withdrawn"))) == [(1, "A", (2.0, 0.0))]

@@ -203,8 +203,8 @@ class LastDay(Behaviour):
     def marks(self, event, attempt):
         first = {"Aster": (2, 2, 4, 0, 10), "Birch": (1, 1, 0, 1, -3), "Daisy": (0, 0, 0, 2, 0)}
         second = {"Aster": (6, 3, "alone", 1), "Birch": (0, 0, "not at all", 2), "Cedar": (2, 1, "with help", 0)}
-        if event.benchmark.code == "Restaurant":
-            yield from values(event, event.benchmark.scoring, first.get(event.team, (1, 0, 0, 0, 0)))
+        if event.benchmark.code == "Restaurant":  # nobody marks the incident
+            yield from values(event, event.benchmark.scoring[:-1], first.get(event.team, (1, 0, 0, 0, 0)))
         else:
             row = (1, 0, "not at all", 0) if attempt == 1 else second[event.team]
             yield from values(event, event.benchmark.scoring, row)

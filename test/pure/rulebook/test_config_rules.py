@@ -3,7 +3,7 @@
 import pytest
 
 from helpers.config_files import TEXTS, changed, line_of
-from roah_rsbb.rulebook.benchmarks import NO_LIMIT, NO_RULES, CountingAttempt, EventRules, NoShow, PhaseRule, Restarts
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, NO_RULES, CountingAttempt, EventRules, PhaseRule, Restarts
 
 RULES = """  setup_time: 90.5
   attempts: 3
@@ -36,7 +36,7 @@ def test_all_rules(files):
     benchmark, warnings = table(files)
     phases = (PhaseRule("Take the order", 120.0), PhaseRule("Serve", NO_LIMIT), PhaseRule("Clear the table", NO_LIMIT))
     assert benchmark.rules == EventRules(
-        90.5, 3, CountingAttempt.BEST, Restarts.CLOCK_STOPS, True, phases, NoShow.ZERO)
+        90.5, 3, CountingAttempt.BEST, Restarts.CLOCK_STOPS, True, phases, ("no_show", "withdrawn"))
     assert warnings == []
 
 
@@ -45,7 +45,7 @@ def test_shipped_benchmarks_have_no_such_rules(files):
 
 
 def test_the_defaults_are_what_the_box_always_did():
-    expected = EventRules(0.0, 0, CountingAttempt.LAST, Restarts.CLOCK_RUNS, False, (), NoShow.NO_SCORE)
+    expected = EventRules(0.0, 0, CountingAttempt.LAST, Restarts.CLOCK_RUNS, False, (), ())
     assert expected == NO_RULES
 
 

@@ -109,7 +109,7 @@ def test_the_time_left_of_a_run_in_which_late_marks_count():
 
 
 @pytest.mark.parametrize("incidents, found", [
-    ("restart: {times: 1}", "nothing follows from 'restart'"),
+    ("absent: {at_end: no_show}, restart: {times: 1}", "nothing follows from 'restart'"),
     ("restart: {below: 1, voids: earlier}, other: {}", "nothing follows from 'other'"),
     ("restart: {below: 0, net: yes, voids: earlier}, other: {}", "nothing follows from 'other'"),
     ("restart: {below: 0, voids: earlier}", "'restart' is never allowed: no points are less than 0"),

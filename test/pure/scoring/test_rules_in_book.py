@@ -252,6 +252,15 @@ def test_an_item_in_no_section_can_be_marked():
     assert book.at(10, "Finds it", 2, group=row.group).total() == "10"
 
 
+@pytest.mark.parametrize("end, total", [("no_show", "-500"), ("withdrawn", "0"), ("stopped", "0")])
+def test_an_incident_comes_with_a_no_show_and_can_be_withdrawn(end, total):
+    book = Book(replace(SHEET, incidents=(Incident("absent", marks="away", at_end=("no_show",)),))).end(0, end)
+    assert book.total() == total
+    for entry in book.book.sheet.history:
+        book.withdraw(entry.number)
+    assert (book.total(), len(book.book.sheet.history)) == ("0", int(end == "no_show"))
+
+
 def test_an_incident_does_not_happen_without_end():
     """A slip of a finger must not fill the memory of the core."""
     with pytest.raises(Refused, match="'Restart' is a count: its value must be from 0 to 100, not 2147483647"):
