@@ -94,7 +94,7 @@ def _speak_english():
 
 
 sys.path.insert(0, str(ROOT / "src"))
-sys.path.insert(0, str(ROOT / "test" / "simulator"))
+sys.path[:0] = [str(ROOT / "test" / "fuzz"), str(ROOT / "test" / "simulator")]
 sys.path.insert(0, str(ROOT / "test" / "pure"))
 _generate()
 _own_temporary_folder()

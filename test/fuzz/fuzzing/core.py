@@ -3,7 +3,7 @@
 import contextlib
 import json
 import operator
-from typing import Any, Dict, Iterator, List
+from typing import Any, Callable, Dict, Iterator, List
 
 from fuzzing.frames import KEY
 from fuzzing.reader import Reader
@@ -28,8 +28,10 @@ from roah_rsbb.model.fields import form_text
 from roah_rsbb.model.messages import DevicesState, RobotReport, TabletState
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
 from roah_rsbb.model.reason import Refused
-from roah_rsbb.protocol import RobotState
+from roah_rsbb.model.records import Phase
+from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.radio import wire_convert
+from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.scoring.sheet import Mark
 
 ZONES = ("catering", "visitor", "object", "waypoints", "all")
@@ -70,16 +72,17 @@ def _again(kind, state):
 
 
 class Play:
-    """One input: a box with runs in progress, and the following events."""
+    """One input: a box with runs in progress, and the following events. `make` makes the driver of a box; one that
+    cannot restart its box does not."""
 
-    def __init__(self, data: bytes) -> None:
+    def __init__(self, data: bytes, make: Callable[[Config], Any] = ForgetfulDriver) -> None:
         self.reader = Reader(data)
         config = competition(
             catering=["HCFGAC", "HWV"], visitor=[event("HWV", team="Beta", timeout=30.0)],
             object=[event("HOPF"), event("HOMF")], waypoints=[event("HNF", team="Gamma", timeout=60.0)],
             all=[event("HSUF", team="ALL", timeout=30.0)],
         )
-        self.driver = ForgetfulDriver(config)
+        self.driver = make(config)
         self.driver.config = config
         self.reader.choice((self._begin_runs, self._begin_runs, self._begin_all_robots, self._begin_switches))()
 
@@ -125,15 +128,23 @@ class Play:
         for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
             robot.says(state)
 
-    def steps(self) -> Iterator[Step]:
-        """Everything that happens, and after each the look that panels take."""
-        acts = (
+    def act(self) -> Step:
+        """What happens next."""
+        return self.reader.choice((
             self._report, self._report, self._report, self._report_of_anybody, self._beacon, self._tablet,
             self._network, self._modules, self._command, self._score, self._pass, self._set_clock, self._devices,
             self._operation, self._restart,
-        )
+        ))()
+
+    def do(self, data: bytes) -> None:
+        """Let happen what another input says."""
+        self.reader = Reader(data)
+        self.act()()
+
+    def steps(self) -> Iterator[Step]:
+        """Everything that happens, and after each the look that panels take."""
         while self.reader:
-            yield self.reader.choice(acts)()
+            yield self.act()
             yield self._save
             yield self._look
             self._check()
@@ -245,10 +256,10 @@ class Play:
 
     def _score(self) -> Step:
         r = self.reader
-        group, desc = r.choice(("Achievements", "Penalized", "")), r.choice(("detects the door", "bumps", ""))
+        group, desc = r.choice((("Achievements", "detects the door"), ("Penalized", "bumps"), ("", "bumps")))
         records = self.driver.box.scores.records(self.driver.now)
-        identity = r.choice(records).identity if records and r.flag() else ""
-        target = table.Target(r.choice(ZONES), identity)
+        record = r.choice(records) if records and r.flag() else None
+        target = table.Target(r.choice(ZONES), "") if record is None else table.Target(record.zone, record.identity)
         return r.choice((
             lambda: self._enter(target._replace(run=""), "mark", mark_with(Mark(group, desc, r.integer(size=4)))),
             lambda: self._enter(target, "mark", mark_with(Mark(group, desc, r.integer(size=4), r.flag(), r.text()))),
@@ -290,7 +301,7 @@ class Play:
         return self._event("act", table.Target(zone), name, "", given)
 
     def _restart(self) -> Step:
-        return self.driver.restart
+        return getattr(self.driver, "restart", self._event("timers.tick"))
 
     # -- what came of it ----------------------------------------------------------------------------
 
@@ -316,7 +327,9 @@ class Play:
         box = self.driver.box
         runs = box.zones.members()
         assert len({run.robot for run in runs}) == len({run.port for run in runs}) == len(runs)
+        assert {r.port for r in box.beacon().robots} == set(self.driver.channels) == {run.port for run in runs}
         for run in runs:
+            assert (run.phase is Phase.RUNNING) is (run.message.state is not BoxState.STOP)
             datagram = frame.encode(wire_convert.state_message(run.message), Cipher.AES_128_CBC, KEY)
             assert len(datagram) <= self.driver.settings.max_datagram
             assert len(run.log) <= self.driver.settings.display_log_size

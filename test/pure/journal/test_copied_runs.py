@@ -5,13 +5,12 @@ import pathlib
 import tempfile
 
 from hypothesis import given
-from hypothesis import strategies as st
 
+from fuzzing.core import Play
 from helpers.competition import DOOR
 from helpers.copied import contents
-from helpers.examples import examples
+from helpers.examples import OPENINGS, STORIES, examples
 from helpers.journaled import NO_LISTENING, JournaledDriver, box
-from helpers.random_events import apply_event, random_competition, random_events
 from roah_rsbb.journal.copy_folder import CopyFolder
 from roah_rsbb.journal.copy_follower import Follower
 from roah_rsbb.journal.log_dir import PortRecord
@@ -29,16 +28,16 @@ def followed(driver, stick):
 
 
 @examples(40)
-@given(st.lists(random_events(), max_size=25))
-def test_the_copy_has_everything_after_each_event(sequence):
+@given(OPENINGS, STORIES)
+def test_the_copy_has_everything_after_each_event(opening, story):
     with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
-        driver = JournaledDriver(pathlib.Path(folder), random_competition(), NO_LISTENING)
-        stack.callback(driver.journal.close)
+        play = Play(opening, lambda config: JournaledDriver(pathlib.Path(folder), config, NO_LISTENING))
+        stack.callback(play.driver.journal.close)
         stick = pathlib.Path(folder, "stick")
         stick.mkdir()
-        follower = stack.enter_context(followed(driver, stick))
-        for name, arguments in sequence:
-            apply_event(driver, name, arguments)
+        follower = stack.enter_context(followed(play.driver, stick))
+        for act in story:
+            play.do(act)
             follower.step()
             assert not follower.progress.trouble
             assert contents(stick) == contents(follower.log_dir)

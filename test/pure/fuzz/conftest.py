@@ -1,6 +1,0 @@
-"""Where the fuzz targets are."""
-
-import pathlib
-import sys
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "fuzz"))
