@@ -762,8 +762,43 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>More commands</source>
-        <translation>Weitere Befehle</translation>
+        <source>More</source>
+        <translation>Mehr</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Read on</source>
+        <translation>Weiterlesen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>{number} marks, all sent</source>
+        <translation>{number} Einträge, alle gesendet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>{number} marks, {waiting} waiting</source>
+        <translation>{number} Einträge, {waiting} warten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Was it in time?</source>
+        <translation>War es rechtzeitig?</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>points</source>
+        <translation>Punkte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>STOP ends the run. It has no robot</source>
+        <translation>STOP beendet den Lauf. Er hat keinen Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>STOP goes to {robot}</source>
+        <translation>STOP geht an {robot}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -928,7 +963,7 @@
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Undo: {mark}</source>
-        <translation>Ohne: {mark}</translation>
+        <translation>Rückgängig: {mark}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -1948,6 +1983,31 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>{percent} % of the points before</source>
+        <translation>{percent} % der Punkte davor</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>of {most}</source>
+        <translation>von {most}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>of {points} points</source>
+        <translation>von {points} Punkten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>of {most}, {points} points each</source>
+        <translation>von {most}, je {points} Punkte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>{points} points each</source>
+        <translation>je {points} Punkte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>yes</source>
         <translation>ja</translation>
     </message>
@@ -2383,6 +2443,31 @@
         <location filename="../../src/roah_rsbb/wording/times.py"/>
         <source>Run: time left</source>
         <translation>Lauf: Restzeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>used</source>
+        <translation>verbraucht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>to set up</source>
+        <translation>zum Aufbauen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>for the run</source>
+        <translation>für den Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>does not count</source>
+        <translation>zählt nicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/times.py"/>
+        <source>left of {limit}</source>
+        <translation>übrig von {limit}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/times.py"/>

@@ -4,15 +4,16 @@ import {html, useEffect, useState} from "/assets/parts.js";
 
 const CONFIRM_MS = 4000;
 
-// A button with the reasons why it is off as text: a finger cannot hover. `isBare`: they are shown elsewhere.
-export function Command({label, reasons = [], act, isMain = false, isBare = false, name}) {
-  const isOff = reasons.length > 0;
+// A button with the reasons why it is off as text: a finger cannot hover. `isBare`: they are shown elsewhere. `small`: a
+// second line. `isMain`: the next action.
+export function Command({label, small = "", reasons = [], act, isMain = false, isBare = false, name, children}) {
+  const isOff = reasons.length > 0, why = isOff && !isBare ? reasons.join("; ") : "";
   return html`
     <div class="command">
-      <button type="button" class=${isMain && !isOff ? "main" : ""} data-command=${name} disabled=${isOff} onClick=${act}>
-        ${label}
+      <button type="button" class="button ${isMain ? "next" : ""}" data-command=${name} data-meaning=${label} disabled=${isOff} onClick=${act}>
+        ${children}<span>${label}${isMain && (why || small) && html`<small>${why || small}</small>`}</span>
       </button>
-      ${isOff && !isBare && html`<p class="why">${reasons.join("; ")}</p>`}
+      ${why && !isMain && html`<p class="why">${why}</p>`}
     </div>`;
 }
 
@@ -32,19 +33,10 @@ export function Twice({question, act, label, ...rest}) {
   return html`<${Command} label=${isArmed ? question.replace("{command}", () => label) : label} act=${press} ...${rest} />`;
 }
 
-// Commands in cells that never move. Why some are off is in a place of its own, the next command first. Before these is
-// what the reader must know before they press a command that is on: its `warning`.
-export function Cells({commands}) {
-  const whys = new Map();
-  for (const {label, reasons} of [...commands].sort((one, other) => other.isMain - one.isMain)) {
-    const why = reasons.join("; ");
-    if (why) {
-      whys.set(why, [...(whys.get(why) || []), label]);
-    }
-  }
+// A command with what it does, or why it is off, in a list. What the reader must know before they press it: its `warning`.
+export function CommandRow({isTwice, warning = "", reasons = [], explanation, ...command}) {
   return html`
-    <div class="cells">${commands.map(({isTwice, warning, ...command}) => html`
-      <${isTwice ? Twice : Command} key="${command.name} ${command.of || ""}" ...${command} isBare />`)}</div>
-    <ul class="whys" tabindex="0">${commands.filter(({warning}) => warning).map(({label, warning}) => html`
-      <li class="alarm" key=${label}>⚠ ${label}: ${warning}</li>`)}${[...whys].map(([why, labels]) => html`<li key=${why}>${labels.join(", ")}: ${why}</li>`)}</ul>`;
+    <li><span>${explanation}${warning && html`<small class="alarm">⚠ ${warning}</small>`}${
+        reasons.length > 0 && html`<small>${reasons.join("; ")}</small>`}</span>
+      <${isTwice ? Twice : Command} ...${command} reasons=${reasons} isBare /></li>`;
 }

@@ -192,12 +192,6 @@ export class Marks {
 // What was entered, with its item.
 export const nameOf = ({desc, shown}) => desc ? `${desc}: ${shown}` : shown;
 
-// An item with what waits for it, in words.
-export function expected({value}, waiting) {
-  const last = waiting[waiting.length - 1], after = (sum, mark) => mark.added ? sum + Number(mark.added) : mark.value || 0;
-  return last.added ? String(waiting.reduce(after, value)) : last.shown;
-}
-
 // crypto.randomUUID exists on encrypted pages only.
 function newId() {
   const bytes = crypto.getRandomValues(new Uint8Array(16));

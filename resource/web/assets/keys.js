@@ -32,12 +32,9 @@ export function listen(place, say) {
       const button = document.querySelector(name);
       button.hidden || twice(key, button, clicks);
     } else if (digit && !isTyping(event) && !place.inert) {
-      const item = place.querySelectorAll(".all > div > .sheet .item")[digit[1] - 1];
-      const [first, second] = item ? item.querySelectorAll(".controls button:not(.more)") : [];
-      // A number has −1 and +1, and a yes or no these.
-      const isNumber = second && second.classList.contains("main"), [more, less] = isNumber ? [second, first] : [first, second];
-      const button = event.shiftKey ? less : more;
-      button && !button.closest(".entry") && button.click();
+      const item = place.querySelectorAll(".sheets > .sheet .item")[digit[1] - 1];
+      const button = item && item.querySelector(event.shiftKey ? ".take-back" : ".mark:not(.plain)");
+      button && button.click();
     } else if (event.key === "?" && !isTyping(event)) {
       const keys = place.querySelector("details.keys");
       keys && (keys.open = !keys.open, keys.scrollIntoView({block: "nearest"}));

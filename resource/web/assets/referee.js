@@ -1,11 +1,11 @@
 // The page of a referee, judge or organiser on a phone, tablet or laptop (docs/web.md, "Referees").
 
-import {Component, address, html, parameters, useEffect, useRef, useState} from "/assets/parts.js";
+import {Component, Icon, address, countdown, html, parameters, useEffect, useLayoutEffect, useRef, useState} from "/assets/parts.js";
 import {render} from "/assets/vendor/preact-htm.js";
 import {Live} from "/assets/live.js";
 import {ask, reasonsText, roleText} from "/assets/device.js";
 import {Marks, nameOf, send} from "/assets/commands.js";
-import {Cells, Command, Twice} from "/assets/buttons.js";
+import {Command, CommandRow, Twice} from "/assets/buttons.js";
 import {Keys, listen} from "/assets/keys.js";
 import {drop, keep, kept} from "/assets/kept.js";
 import {lockWhenIdle} from "/assets/lock.js";
@@ -13,21 +13,23 @@ import {Missing, stayAwake} from "/assets/phone.js";
 import {Nav, Part, isSent, partsOf} from "/assets/box.js";
 import {HeadReferee, JudgeRun} from "/assets/judging.js";
 import {FinishedRun} from "/assets/runs.js";
-import {RefusedMark, Sheet} from "/assets/sheet.js";
+import {RefusedMark, Sheet, counted} from "/assets/sheet.js";
 
 const SILENT_S = 2.2;
 const ASK_AGAIN_MS = 1500;
 const SOON = 1;
 const SWITCHES = 10;
-const CHANGED_MS = 600;
+const CHANGED_MS = 600, NEXT_MS = 1000;
+const STILL_MS = 3000;
 const SHOWN = "shown", KEPT_MS = 2000;
+const SMALL = 608;  // pixels: of a lower screen, the sheet begins under the strip
 
 const language = parameters.get("language") || "";
 const place = document.getElementById("page");
 const {strip} = window;  // STOP: see stop.js
 const IS_BOX = location.pathname === "/box";  // the page of the whole box: with parts, of which one is open
 const OWN = "zone";  // the part that the referee's page consists of
-const state = {session: undefined, live: null, known: null, said: "", place: "", marks: null, tick: null, isChoosing: false,
+const state = {session: undefined, live: null, known: null, said: "", place: "", marks: null, ticks: new Set(), isChoosing: false, drawer: "", touchedAt: -Infinity,
   part: IS_BOX ? parameters.get("part") || "overview" : OWN,
   shown: "",  // the zone that was shown last
   gone: "",  // that a zone is gone, until the reader touches the page
@@ -148,8 +150,8 @@ function zoneNow() {
 }
 
 function changed(names = []) {
-  if (names.length === 1 && names[0] === "page.clock" && state.tick) {
-    state.tick();  // comes each second, and drawing the whole page takes long on a slow phone
+  if (names.length === 1 && names[0] === "page.clock" && state.ticks.size > 0) {
+    state.ticks.forEach((tick) => tick());  // comes each second, and drawing the whole page takes long on a slow phone
     return;
   }
   if (names.length === 0 && state.session) {
@@ -246,61 +248,138 @@ const undo = (last, texts) => state.marks.undo(last, texts.undo.replace("{mark}"
 
 // -- parts --------------------------------------------------------------------------------------------
 
-function Figure({figure, isMain}) {
-  return html`
-    <div class="figure ${isMain ? "first" : ""} ${figure && figure.hurry ? "hurry" : ""}">
-      ${figure && html`<span class="label">${figure.label}</span> <span class="time">${figure.text}</span>`}
-    </div>`;
+const initials = (team) => {
+  const words = team.split(/[\s_-]+/).filter(Boolean);
+  return (words.length > 1 ? words.map((word) => word[0]).join("") : team).slice(0, 2).toUpperCase();
+};
+
+function useTicks() {
+  const [, redraw] = useState(0);
+  useEffect(() => {
+    const tick = () => redraw((before) => before + 1);
+    state.ticks.add(tick);
+    return () => state.ticks.delete(tick);
+  }, []);
+  return state.live.data["page.clock"] || {main: {text: "", label: ""}};
 }
 
-// Each line has its place, also while there is nothing to say: what moved under a finger would be hit by mistake.
-function Run({zone, texts}) {
-  const [, redraw] = useState(0);
-  const clock = state.live.data["page.clock"];
-  useEffect(() => {
-    state.tick = () => redraw((before) => before + 1);
-    return () => (state.tick = null);
-  }, []);
-  useSignals(zone, clock);
-  const {main = null, goal = null, pause = "", aside = ""} = clock || {};
+// Who, what and how long, on the colour of the state. It stays in sight.
+function Run({zone, zones, texts}) {
+  const clock = useTicks(), {look} = zone;
+  useSignals(zone, state.live.data["page.clock"]);
+  const who = html`
+    <span class="team-mark" aria-hidden="true">${initials(zone.team)}</span>
+    <span class="names"><span class="team short" role="heading" aria-level="1">${zone.team}</span>
+      <span class="short"><${Icon} name=${look} solid=${["executing", "stopped"].includes(look)} /><span class="unseen">${texts.state}: </span>
+        ${zone.zone}${zones && zones.length > 1 && " ▾"} · <span class="phase">${zone.phase_text}</span></span></span>`;
   return html`
-    <section class="run ${zone.phase}">
-      <h1 class="team short">${zone.team}</h1>
-      <p class="title short">${zone.title}</p>
-      <p class="facts short">${zone.facts}</p>
-      <p class="phase short"><span class="unseen">${texts.state}: </span>${[zone.phase_text, zone.robot].filter(Boolean).join(" · ")}</p>
-      <div class="times">
-        <${Figure} figure=${main} isMain />
-        <${Figure} figure=${goal} />
-        <p class="short ${pause ? "pause" : "facts"}">${pause || aside}</p>
-      </div>
+    <section class="strip run ${zone.phase} ${look} ${clock.pause ? "paused" : ""}" aria-label=${texts.time}>
+      ${zones ? html`<button type="button" class="who zones" data-meaning="zones" aria-expanded=${state.isChoosing} onClick=${() => choose(!state.isChoosing)}>${who}</button>`
+        : html`<div class="who">${who}</div>`}
+      <div class="strip-clock"><span class="unseen">${clock.main.label}</span>
+        <b class="clock ${clock.main.hurry ? "hurry" : ""}">${clock.main.text}</b><small>${clock.below}</small></div>
+      <span class="progress" style="--part: ${clock.part || 0}"></span>
     </section>`;
 }
 
-// What the referee must do and know now. It scrolls in a place that keeps its size. Controls come first, where nothing
-// moves them. When a line changes, all lines are new ones: so none moves.
-function Now({zone, texts, judge}) {
-  const {marks} = state;
-  const late = waitingText(marks, texts);
-  const asked = judge ? [] : offered(zone, texts).filter(([, {row}]) => row === "module");
+// The clock of a phase or a goal, and why the run's clock does not count.
+function SecondClock() {
+  const {goal, pause} = useTicks();
+  return html`<p class="second-clock short">${pause || goal && html`${goal.label} <b class=${goal.hurry ? "hurry" : ""}>${goal.text}</b>`}</p>`;
+}
+
+// The last mark of this device, and Undo. What is wrong in the run is said in the same place.
+function Last({zone, texts, session}) {
+  const {marks} = state, ofRun = ({identity}) => identity === zone.identity, last = marks.last(zone.identity);
+  const waiting = marks.waiting.filter(ofRun), count = marks.done.filter(ofRun).length + waiting.length;
+  const shown = waiting.length > 0 ? waiting[waiting.length - 1] : last;
+  const isTodo = zone.is_urgent || !shown || zone.phase === "idle";
   return html`
-    <section class="now ${asked.length > 0 ? "operation" : ""}" tabindex="0" aria-label=${texts.state}>
-      ${asked.map(([name, action]) => html`
-        <div class="asks" key="${zone.identity} ${JSON.stringify([name, action.fields])}">
-          <${Form} command=${oneOf(zone, texts, name, {isMain: true})} action=${action} zone=${zone} texts=${texts} />
-        </div>`)}
-      ${!judge && zone.robots.length > 0 && html`<div class="controls">${zone.robots.map((robot) => html`
+    <section class="last">
+      <button type="button" class="to-more" data-meaning="more" onClick=${() => openDrawer("more")}>
+        <${Icon} name=${zone.is_urgent ? "warning" : isTodo ? "now" : "timeline"} />
+        <span>${isTodo ? html`<span class="todo ${zone.is_urgent ? "urgent" : ""}" role="status">${zone.todo}</span>`
+          : html`<span class="lines-1 said">${waiting.length > 0 ? nameOf(shown) : shown.shown}</span>`}
+          ${waiting.some(({isLate}) => isLate) ? html`<span class="chip pending small"><${Icon} name="pending" />${texts.marks_waiting
+            .replace("{number}", () => count).replace("{waiting}", () => waiting.length)}</span>`
+            : !isTodo && html`<small class="lines-1">${texts.marks_sent.replace("{number}", () => count)}</small>`}</span>
+      </button>
+      ${session.role !== "judge" && zone.items.length > 0 && html`
+        <button type="button" class="button second" data-command="undo" data-meaning="undo" disabled=${!last} onClick=${() => undo(last, texts)}
+            aria-label=${last ? texts.undo.replace("{mark}", () => last.shown) : texts.nothing_to_undo}>
+          <span class="stack"><${Icon} name="undo" /><span>${texts.nothing_to_undo}</span></span></button>`}
+    </section>`;
+}
+
+// Incidents of the rules that have a place of their own, by their names there.
+const INCIDENTS = {inactive: "waiting", restart: "restart", removed: "removed"};
+
+const find = (zone, field, name) => zone.items.find((item) => item.is_incident && item[field] === name);
+const times = (zone, item) => item ? counted(item, state.marks.waiting.filter((one) => one.identity === zone.identity
+  && one.group === item.group && one.desc === item.desc)) : 0;
+const sum = (zone, names) => names.reduce((all, name) => all + times(zone, find(zone, "desc", name)), 0);
+// Whether an incident that others end has not ended.
+const isGoing = (zone, item) => item.until.length > 0 && times(zone, item) > sum(zone, item.until);
+const happen = (zone, item) => state.marks.add({zone: zone.zone, identity: zone.identity, group: item.group, desc: item.desc, added: "1", shown: "+1"});
+
+// What a robot does again is not inactive any more.
+function endInactivity(zone, marked) {
+  if (!marked.is_incident && !marked.is_penalty) {
+    zone.items.filter((item) => item.is_incident && item.after && isGoing(zone, item))
+      .forEach((item) => happen(zone, find(zone, "desc", item.until[0])));
+  }
+}
+
+function Incident({zone, item, texts}) {
+  useTicks();
+  const begun = useRef(null);
+  const isOn = Boolean(item.after) && isGoing(zone, item), now = state.live.now() || Date.now() / 1000;
+  const number = times(zone, item);
+  if (isOn && (!begun.current || begun.current.number !== number)) {
+    begun.current = {number, at: begunAt(zone, item) || now};
+  }
+  begun.current = isOn ? begun.current : null;
+  const left = isOn ? Math.max(0, Number(item.after) - (now - begun.current.at)) : 0;
+  const act = () => !item.after ? openDrawer("happened") : happen(zone, isOn ? find(zone, "desc", item.until[0]) : item);
+  return html`
+    <button type="button" class=${isOn ? "active" : ""} data-incident=${item.incident} data-meaning=${`${item.desc} ${isOn}`} onClick=${act}>
+      ${isOn ? html`<b>${countdown(left)}</b>` : html`<${Icon} name=${INCIDENTS[item.incident]} />`}
+      <span>${item.desc}${item.after ? "" : ` ${number}${item.max ? `/${item.max}` : ""}`}</span>
+      ${isOn && html`<span class="progress" style="--part: ${1 - left / Number(item.after)}"></span>`}
+    </button>`;
+}
+
+// When an incident that was entered on another device began.
+const begunAt = () => null;
+
+function Tools({zone, texts}) {
+  const shown = Object.keys(INCIDENTS).map((name) => find(zone, "incident", name)).filter(Boolean);
+  const others = zone.items.filter((item) => item.is_incident && !shown.includes(item));
+  return html`
+    <section class="incidents" aria-label=${zone.incidents || texts.more}>
+      ${shown.map((item) => html`<${Incident} key=${item.desc} zone=${zone} item=${item} texts=${texts} />`)}
+      ${shown.length === 0 && others.length > 0 && html`<button type="button" data-meaning="incidents" onClick=${() => openDrawer("happened")}><${Icon} name="flag" /><span>${zone.incidents}</span></button>`}
+      <button type="button" class="to-more" data-meaning="more" onClick=${() => openDrawer("more")}><${Icon} name="more" /><span>${texts.more}</span></button>
+    </section>`;
+}
+
+// Before the run: what to know and to choose.
+function Checks({zone, texts}) {
+  return html`
+    <section class="checks" aria-label=${texts.state}>
+      <div class="sheet-head"><h2>${zone.title}</h2><p class="quiet small">${zone.facts}</p></div>
+      <${State} zone=${zone} />
+      ${zone.robots.length > 0 && html`<div class="controls block">${zone.robots.map((robot) => html`
         <${zone.questions.connect ? Twice : Command} key=${robot} label=${texts.connect_robot.replace("{robot}", () => robot)}
           question=${texts.really} act=${() => give("connect", texts, robot, shownOf(zone, "connect", texts.actions.connect, {robot}))} />`)}</div>`}
-      ${marks.refused.map((mark) => html`<${RefusedMark} key=${mark.id} mark=${mark} marks=${marks} texts=${texts} />`)}
-      <div role="status" key=${JSON.stringify([late, asked, zone.todo, zone.warnings, zone.state])}>
-        ${late && html`<p class="alarm">${late}</p>`}
-        ${asked.length === 0 && html`<p class="todo ${zone.is_urgent ? "urgent" : ""}">${zone.todo}</p>`}
-        <ul class="warnings">${zone.warnings.map((text) => html`<li>⚠ ${text}</li>`)}</ul>
-        <ul class="state">${zone.state.map((line) => html`<li>${line}</li>`)}</ul>
-      </div>
     </section>`;
 }
+
+const State = ({zone}) => html`
+  <ul class="rows">
+    ${zone.warnings.map((text) => html`<li key=${text}><span class="chip warning"><${Icon} name="warning" /></span><span>${text}</span></li>`)}
+    ${zone.state.map((line) => html`<li key=${line}><span class="chip"><${Icon} name="check" /></span><span>${line}</span></li>`)}
+  </ul>`;
 
 // What waits, in a line: the oldest that is late, and how many there are.
 function waitingText(marks, texts) {
@@ -314,30 +393,26 @@ const refusedText = (mark, texts) => texts.refused.replace("{what}", () => nameO
   .replace("{reasons}", () => mark.reasons.join("; "));
 
 function Switches({zone, texts}) {
-  const {on, damaged, to_confirm} = zone.switches;
+  const {on, damaged} = zone.switches;
   const numbers = Array.from({length: SWITCHES}, (_, i) => i + 1);
   return html`
     <section class="switches">
-      <h2>${texts.switches}</h2>
-      <div class="controls">
+      <div class="sheet-head"><h2>${texts.switches}</h2></div>
+      <div class="controls block">
         ${numbers.map((number) => html`
-          <button type="button" aria-pressed=${on.includes(number)}
-              onClick=${() => give("switch", texts, String(number), {number})}>
+          <button type="button" class="button" data-meaning=${number} aria-pressed=${on.includes(number)} onClick=${() => give("switch", texts, String(number), {number})}>
             ${number}: ${on.includes(number) ? texts.is_on : texts.is_off}
           </button>`)}
       </div>
-      <p>${texts.damaged}: ${damaged}</p>
-      <div class="controls">
-        <button type="button" disabled=${damaged === 0}
-            onClick=${() => give("damaged", texts, texts.damaged, {number: damaged - 1})}>−1</button>
-        <button type="button" onClick=${() => give("damaged", texts, texts.damaged, {number: damaged + 1})}>+1</button>
-      </div>
-      ${to_confirm && html`<${Command} label=${texts.confirm} act=${() => give("confirm_switches", texts, texts.confirm)} isMain />`}
+      <ul><li class="item penalty"><span class="item-name">${texts.damaged}</span>
+        ${[["take-back", "undo", damaged - 1], ["mark", "flag", damaged + 1]].map(([look, icon, number], i) => html`${i > 0 && html`<span class="value has">${damaged}</span>`}
+          <button type="button" class="${look} ${number < 0 ? "none" : ""}" disabled=${number < 0} data-meaning=${look} onClick=${() => give("damaged", texts, texts.damaged, {number})}>
+            <${Icon} name=${icon} />${i > 0 && "+1"}<span class="unseen"> ${i > 0 ? texts.damaged : texts.subtract.replace("{item}", () => texts.damaged)}</span></button>`)}</li></ul>
     </section>`;
 }
 
-// Commands that this page lays out itself, beside those that most runs do not need. All others are shown in a row that the
-// table of actions names, with a form if somebody must enter something.
+// Commands that this page lays out itself, beside those that most runs do not need. All others are in the drawer, with a
+// form if somebody must enter something.
 const PLACED = ["connect", "start", "disconnect", "stop", "switch", "damaged", "confirm_switches"];
 const ENTERED = ["name", "text", "number", "decimal", "pose", "choice", "toggle"];
 const FILLED = ["team", "fixed", "confirmed"];
@@ -356,76 +431,151 @@ function offered(zone, texts) {
 function oneOf(zone, texts, name, more = {}) {
   const action = texts.actions[name];
   return {
-    name, label: action.label, question: texts.really, reasons: zone.off[name] || [],
-    isTwice: action.careful || Boolean(zone.questions[name]), of: `${zone.event} ${zone.identity}`,
+    name, label: action.label, question: texts.really, reasons: zone.off[name] || [], explanation: action.explanation,
+    isTwice: action.careful || Boolean(zone.questions[name]), key: `${name} ${zone.event} ${zone.identity}`,
     warning: action.leaves && isMoving(zone) ? zone.leaving : "",
     act: () => give(name, texts, action.label, shownOf(zone, name, action)), ...more,
   };
 }
 
-function Commands({zone, texts}) {
-  const next = zone.leaving || zone.questions.connect ? "" : {idle: "connect", connected: "start", ended: "disconnect"}[zone.phase];
-  const one = (name, more = {}) => oneOf(zone, texts, name, {isMain: name === next, ...more});
-  const others = offered(zone, texts).filter(([, {row}]) => row !== "module");
-  const cells = (row) => others.filter((other) => other[1].row === row && !isForm(other)).map(([name]) => one(name));
+// The next action, and one beside it.
+function actionsOf(zone, texts) {
+  const one = (name, more = {}) => oneOf(zone, texts, name, more);
+  const isOn = (name) => name in zone.off && zone.shown[name] && zone.off[name].length === 0;
+  const run = zone.unsigned.find(({is_here}) => is_here), again = one("start", {label: texts.continue, isTwice: true});
+  if (zone.switches && zone.switches.to_confirm) {
+    return [{name: "confirm_switches", label: texts.confirm, small: texts.switches, act: () => give("confirm_switches", texts, texts.confirm)}];
+  }
+  const pressing = ["continue", "resume", "next_phase"].find(isOn);
+  if (zone.phase === "running" || pressing) {
+    return [pressing && one(pressing), isOn("pause") && one("pause")];
+  }
+  if (zone.phase === "connected") {
+    return [one("start"), one("disconnect")];
+  }
+  if (zone.phase === "ended") {
+    return [one("disconnect"), again];
+  }
+  if (run && zone.judging.every(({identity, count}) => identity !== run.identity || count === 0)) {
+    const isWaiting = state.marks.waiting.some(({identity}) => identity === run.identity);
+    return [{name: "sign_off", key: `${run.identity} ${run.revision}`, label: texts.sign_off, small: run.score, isTwice: true, question: texts.really, icon: "sign",
+      reasons: isWaiting ? [texts.marks_wait] : [], act: () => give("sign_off", texts, texts.sign_off, {identity: run.identity})}, one("connect")];
+  }
+  return zone.questions.connect ? [one("next"), one("connect")] : zone.robots.length > 0 ? [] : [one("connect")];
+}
+
+const isNext = ({leaving, phase}) => !(leaving && phase === "ended");
+
+function Act({isTwice, warning, icon, explanation, ...command}) {
+  return html`<${isTwice ? Twice : Command} ...${command}>${icon && html`<${Icon} name=${icon} />`}<//>`;
+}
+
+// The next action is always in the same place, above STOP.
+function Dock({zone, texts}) {
+  const [next, second] = actionsOf(zone, texts);
+  const why = [next, second].find((one) => one && one.warning);
   return html`
-    <section class="commands">
-      <${Cells} commands=${[
-        one("connect"),
-        zone.phase === "ended" ? one("start", {isTwice: true, of: "again", label: texts.continue}) : one("start"),
-        one("disconnect"),
-        ...cells("clock"),
-      ]} />
-      <details>
-        <summary class="short">${texts.more}</summary>
-        <${Cells} commands=${cells("more")} />
-      </details>
-      ${others.filter(isForm).map(([name, action]) => html`
-        <details key=${name}>
-          <summary class="short">${action.label}</summary>
-          <${Form} key="${zone.event} ${zone.identity}" command=${one(name)} action=${action} zone=${zone} texts=${texts} />
-        </details>`)}
-      <details>
-        <summary class="short">${texts.stop_reason}</summary>
-        <${Reason} key=${zone.identity} zone=${zone} texts=${texts} />
-      </details>
-      <${Keys} texts=${texts} />
-      <${Missing} texts=${texts} />
+    <section class="dock" aria-label=${texts.commands}>
+      ${why && html`<p class="dock-why alarm">⚠ ${why.label}: ${why.warning}</p>`}
+      ${next && html`<${Act} ...${next} isMain=${isNext(zone)} />`}
+      ${second ? html`<div class=${next ? "second" : "command"}><${Act} ...${second} isBare /></div>` : !next && html`<p class="quiet idle">${zone.todo}</p>`}
     </section>`;
 }
 
-// The fields of an action, and what a module asks the referee to do. One choice is a button for each answer.
-function Form({command, action, zone, texts}) {
+// What is not needed now.
+function More({zone, zones, texts, session}) {
+  const placed = actionsOf(zone, texts).filter(Boolean).map(({name}) => name);
+  const others = offered(zone, texts).filter(([name, {row}]) => row !== "module" && !placed.includes(name));
+  const rows = others.filter((other) => !isForm(other)).map(([name]) => oneOf(zone, texts, name));
+  return html`
+    ${zone.phase !== "idle" && html`<${State} zone=${zone} />`}
+    <ul class="rows commands">
+      ${[...(zone.phase === "running" ? [oneOf(zone, texts, "disconnect")] : []), ...rows]
+        .sort((a, b) => a.reasons.length - b.reasons.length).map((command) => html`<${CommandRow} ...${command} />`)}
+    </ul>
+    ${others.filter(isForm).map(([name, action]) => html`
+      <details key=${name} class="block">
+        <summary>${action.label}</summary>
+        <${Form} key="${zone.event} ${zone.identity}" command=${oneOf(zone, texts, name)} action=${action} zone=${zone} texts=${texts} />
+      </details>`)}
+    ${zone.phase === "ended" && zone.end === "stopped" && html`
+      <details class="block">
+        <summary>${texts.stop_reason}</summary>
+        <${Reason} key=${zone.identity} zone=${zone} texts=${texts} />
+      </details>`}
+    <${Keys} texts=${texts} />
+    <${Missing} texts=${texts} />
+    <p class="links block">
+      ${!IS_BOX && html`<a class="button" href=${address("/box", {zone: zone.zone})}>${texts.whole_box}</a>`}
+      <a class="button" href=${address("/pair")}>${session.person} · ${roleText(session, texts)}</a></p>`;
+}
+
+// One open drawer. It ends above the next action. On a wide screen, what it has is beside the sheet.
+function Drawer({name, title, texts, children}) {
+  const isOpen = state.drawer === name;
+  return html`
+    <section class="drawer ${name} ${isOpen ? "" : "closed"}" aria-label=${title}>
+      <header><h2>${title}</h2><button type="button" class="button quiet" data-meaning="close" onClick=${() => openDrawer("")}><${Icon} name="close" /> ${texts.close}</button></header>
+      <div class="body" tabindex="0">${children}</div>
+    </section>`;
+}
+
+function openDrawer(name) {
+  state.drawer = state.drawer === name ? "" : name;
+  draw();
+}
+
+// What was typed into the fields of an action.
+function useForm(name, action, zone, texts) {
   const [given, setGiven] = useState({});
   const fields = action.fields.filter(({kind}) => ENTERED.includes(kind));
-  const set = (name, value) => setGiven((before) => ({...before, [name]: value}));
   const isMissing = fields.some(({name, required, kind}) => required && kind !== "toggle" && !String(given[name] === undefined ? "" : given[name]).trim());
   const toggles = fields.filter(({kind}) => kind === "toggle").map(({name}) => [name, false]);
   const act = async (more) => {
-    if (await give(command.name, texts, action.label, shownOf(zone, command.name, action, {...Object.fromEntries(toggles), ...given, ...more}))) {
+    if (await give(name, texts, action.label, shownOf(zone, name, action, {...Object.fromEntries(toggles), ...given, ...more}))) {
       setGiven({});
     }
   };
-  const text = zone.texts[command.name];
-  const explained = html`<p class=${text ? "asked" : "facts"} role=${text && "alert"}>${text ? `☞ ${text}` : action.explanation}</p>`;
-  if (fields.length === 1 && fields[0].kind === "choice") {
-    const [{name, choices}] = fields;
-    return html`
-      <div class="form">
-        ${explained}
-        <div class="controls">${choices.map((choice) => html`<${Command} key=${choice} label=${choice}
-          reasons=${command.reasons} act=${() => act({[name]: choice})} />`)}</div>
-      </div>`;
-  }
+  const [only] = fields, choices = fields.length === 1 && only.kind === "choice" ? only.choices : null;
+  const inputs = choices ? [] : fields.map((field) => html`
+    <label key=${field.name}>${field.label}${field.unit ? ` (${field.unit})` : ""}
+      <${Input} field=${field} value=${given[field.name]} set=${(value) => setGiven((before) => ({...before, [field.name]: value}))} /></label>`);
+  const reasons = zone.off[name].length > 0 || !isMissing ? zone.off[name] : [texts.fill_in];
+  const buttons = (isMain) => choices ? choices.map((choice) => html`
+    <${Command} key=${choice} label=${choice} isMain=${isMain && choices.length < 4} reasons=${zone.off[name]} act=${() => act({[only.name]: choice})} />`)
+    : html`<${Command} name=${name} label=${action.label} isMain=${isMain} reasons=${reasons} act=${() => act()} />`;
+  return {inputs, buttons};
+}
+
+function Form({command, action, zone, texts}) {
+  const {inputs, buttons} = useForm(command.name, action, zone, texts);
+  return html`<div class="form"><p class="facts">${action.explanation}</p>${inputs}<div class="controls">${buttons(false)}</div></div>`;
+}
+
+// What a module asks the referee to do, at full height. Its button comes when the end of the text was seen.
+function Instruction({zone, texts, name, action}) {
+  const {inputs, buttons} = useForm(name, action, zone, texts);
+  const [isRead, setRead] = useState(false);
+  const end = useRef(null), dock = useRef(null);
+  useEffect(() => {
+    const look = () => end.current.getBoundingClientRect().bottom <= dock.current.getBoundingClientRect().top && setRead(true);
+    look();
+    ["scroll", "resize"].forEach((kind) => window.addEventListener(kind, look));
+    return () => ["scroll", "resize"].forEach((kind) => window.removeEventListener(kind, look));
+  });
+  const readOn = () => scrollBy(0, (dock.current.getBoundingClientRect().top - end.current.parentNode.parentNode.parentNode.firstElementChild.getBoundingClientRect().bottom) * 0.6 || innerHeight / 3);
   return html`
-    <div class="form">
-      ${explained}
-      ${fields.map((field) => html`
-        <label key=${field.name}>${field.label}${field.unit ? ` (${field.unit})` : ""}
-          <${Input} field=${field} value=${given[field.name]} set=${(value) => set(field.name, value)} /></label>`)}
-      <div class="controls"><${Command} name=${command.name} label=${action.label} isMain=${command.isMain} act=${() => act()}
-        reasons=${command.reasons.length > 0 || !isMissing ? command.reasons : [texts.fill_in]} /></div>
-    </div>`;
+    <section class="now operation" aria-label=${action.label}>
+      <div class="asks">
+        <p class="quiet small">${action.label}</p>
+        <p class="asked" role="alert">${zone.texts[name] || zone.todo}</p>
+        <p class="quiet">${action.explanation}</p>
+        ${inputs}
+        <span class="end" ref=${end}></span>
+      </div>
+      <div class="dock controls" ref=${dock}>${isRead ? buttons(true)
+        : html`<${Command} label=${texts.read_on} isMain act=${readOn}><${Icon} name="down" /><//>`}</div>
+    </section>`;
 }
 
 function Input({field, value, set}) {
@@ -456,20 +606,19 @@ function Reason({zone, texts}) {
     <form class="reason" onSubmit=${save}>
       <label>${texts.stop_reason}
         <input maxlength="200" value=${typed} onInput=${(event) => setTyped(event.target.value)} /></label>
-      <button disabled=${zone.phase !== "ended"}>${texts.save}</button>
+      <button class="button">${texts.save}</button>
       ${saved && html`<p role="status">${texts.saved}: ${saved}</p>`}
     </form>`;
 }
 
-// The runs that are over: their sheets, their judges, their results. It is closed until the referee opens it: so it
-// moves nothing during a run.
+// The runs that are over: their sheets, their judges, their results.
 function Over({zone, texts}) {
   const judged = zone.judging.filter((run) => run.count > 0);
   const identities = new Set([...judged, ...zone.unsigned].map((run) => run.identity));
-  const differences = judged.reduce((sum, run) => sum + run.differences, 0);
+  const differences = judged.reduce((all, run) => all + run.differences, 0);
   return html`
-    <details class="over">
-      <summary class="short">${texts.unsigned}: ${identities.size + zone.unlisted}${differences > 0
+    <details class="over block" open=${zone.phase === "idle" && zone.unsigned.some(({is_here}) => is_here)}>
+      <summary>${texts.unsigned}: ${identities.size + zone.unlisted}${differences > 0
         && ` · ⚠ ${texts.differences.replace("{number}", () => differences)}`}</summary>
       ${judged.map((run) => html`
         <${HeadReferee} key=${run.identity} zone=${zone.zone} run=${run} texts=${texts} give=${give} />`)}
@@ -478,6 +627,73 @@ function Over({zone, texts}) {
           undo=${(last) => undo(last, texts)} />`)}</ul>
       ${zone.unlisted > 0 && html`<p class="facts">${texts.hidden.replace("{number}", () => zone.unlisted)}</p>`}
     </details>`;
+}
+
+// Whether what a module asks for is open. It opens when nobody has touched the page for a moment, because it takes the place
+// of the sheet: else the next action leads to it.
+function useInstruction(asked) {
+  const [opened, setOpened] = useState("");
+  useEffect(() => {
+    const timer = asked && opened !== asked && setInterval(() => performance.now() - state.touchedAt > STILL_MS && setOpened(asked), 200);
+    return () => clearInterval(timer);
+  }, [asked, opened]);
+  return [opened === asked, () => setOpened(asked)];
+}
+
+// The zone: during a run, its sheet is the page.
+function ZonePage({zone, zones, session, texts, isOld}) {
+  const judge = session.role === "judge" ? session.person : "", {marks} = state;
+  const part = (name, made) => html`<${Guard} key=${name} name=${name}>${made}<//>`;
+  const [ask] = judge ? [] : offered(zone, texts).filter(([, {row}]) => row === "module");
+  const asked = ask ? `${zone.identity} ${JSON.stringify(ask.map((one) => one.fields || one))} ${zone.texts[ask[0]]}` : "";
+  const [isOpen, open] = useInstruction(asked);
+  const isInstruction = Boolean(asked) && isOpen;
+  const before = useRef(0);
+  useLayoutEffect(() => {
+    isInstruction ? (before.current = scrollY, scrollTo(0, 0)) : scrollTo(0, before.current);
+  }, [isInstruction]);
+  useEffect(() => {
+    zone.phase === "running" && innerHeight < SMALL && document.querySelector(".sheets").scrollIntoView();
+  }, [zone.phase]);
+  const isJudged = zone.judging.some((run) => run.identity === zone.identity && run.count > 0);
+  const isBefore = ["idle", "connected"].includes(zone.phase);
+  return html`
+    <header class="head">
+      ${part(texts.time, html`<${Run} zone=${zone} zones=${zones} texts=${texts} />`)}
+      ${zones && zones.length > 1 && part(texts.all_zones, html`<${Others} zones=${zones} zone=${zone} texts=${texts} />`)}
+      ${!judge && zone.has_second_clock && html`<${SecondClock} />`}
+      ${part(texts.state, html`<${Last} zone=${zone} texts=${texts} session=${session} />`)}
+      ${!judge && part(texts.more, html`<${Tools} key=${zone.items.length > 0} zone=${zone} texts=${texts} />`)}
+    </header>
+    <div class="all">
+      <div class="sheets" hidden=${isInstruction}>
+        ${zone.switches && !judge && part(texts.switches, html`<${Switches} zone=${zone} texts=${texts} />`)}
+        ${isBefore && part("✓", html`<fieldset disabled=${isOld}><${Checks} key=${zone.phase} zone=${zone} texts=${texts} /></fieldset>`)}
+        ${judge && part(texts.judges, zone.judging.filter((run) => run.count > 0).map((run) => html`
+          <${JudgeRun} key=${run.identity} zone=${zone.zone} run=${run} marks=${marks} texts=${texts} person=${judge} give=${give} />`))}
+        ${isJudged && !judge && html`<p class="nothing">${texts.judges_score}</p>`}
+        ${zone.items.length > 0 && !isJudged && part(texts.sheet, html`
+          <${Sheet} key="${zone.identity} ${isBefore}" zone=${zone} marks=${marks} texts=${texts} judge=${judge} give=${give} only="items"
+            onMark=${(item) => endInactivity(zone, item)} />`)}
+        ${!judge && ["idle", "ended"].includes(zone.phase) && part(texts.unsigned, html`<fieldset disabled=${isOld}><${Over} zone=${zone} texts=${texts} /></fieldset>`)}
+      </div>
+      ${!judge && html`<fieldset disabled=${isOld} class="aside">
+        ${isInstruction && part(ask[0], html`<${Instruction} key=${asked} zone=${zone} texts=${texts} name=${ask[0]} action=${ask[1]} />`)}
+        <${Drawer} name="happened" title=${zone.incidents} texts=${texts}>${part(zone.incidents, html`<${Sheet} zone=${zone} marks=${marks} texts=${texts} give=${give} only="incidents" />`)}<//>
+        <${Drawer} name="more" title=${texts.more} texts=${texts}>${part(texts.commands, html`<${More} zone=${zone} zones=${zones} texts=${texts} session=${session} />`)}<//>
+        ${isInstruction ? null : asked ? html`<section class="dock"><${Command} label=${ask[1].label} small=${zone.todo} isMain act=${open} /></section>`
+          : part("→", html`<${Dock} zone=${zone} texts=${texts} />`)}
+      </fieldset>`}
+    </div>`;
+}
+
+// What was refused or needs the reader stays in sight above the next action.
+function Alerts({texts}) {
+  const {marks} = state;
+  return html`
+    <div class="alerts">
+      ${marks.refused.map((mark) => html`<${RefusedMark} key=${mark.id} mark=${mark} marks=${marks} texts=${texts} />`)}
+    </div>`;
 }
 
 function choose(isChoosing) {
@@ -503,18 +719,6 @@ function openInZone(name, part = OWN) {
 function ended() {
   state.isEnded = true;
   draw();
-}
-
-function Header({zone, zones, session, texts}) {
-  const name = session.zone || (zone && zone.zone) || "";
-  return html`
-    <header class="who">
-      ${session.zone || !zones ? html`<strong class="short">${name}</strong>` : html`
-        <button type="button" class="short zones" aria-expanded=${state.isChoosing} aria-label="${texts.zone}: ${name}"
-          onClick=${() => choose(!state.isChoosing)}>${name} ▾</button>`}
-      ${!IS_BOX && session.role !== "judge" && html`<a class="short" href=${address("/box", {zone: name})}>${texts.whole_box}</a>`}
-      <a class="short" href=${address("/pair")}>${session.person} · ${roleText(session, texts)}</a>
-    </header>`;
 }
 
 // Which other zones need their referee. It stays in sight while a zone is scored. From old data nobody knows that none does.
@@ -566,18 +770,24 @@ function holdChanged() {
   for (const button of place.querySelectorAll("button")) {
     const meaning = button.dataset.meaning || button.textContent, before = meanings.get(button);
     if (!before || before.meaning !== meaning) {
-      clearTimeout(before && before.timer);
-      button.dataset.changed = "changed";
-      meanings.set(button, {meaning, timer: setTimeout(() => delete button.dataset.changed, CHANGED_MS)});
+      hold(button, meaning, !before);
     }
   }
 }
+function hold(button, meaning, isNew = true) {
+  clearTimeout((meanings.get(button) || {}).timer);
+  button.dataset.changed = "changed";
+  meanings.set(button, {meaning, timer: setTimeout(() => delete button.dataset.changed, button.matches(".next") && isNew ? NEXT_MS : CHANGED_MS)});
+}
 // Whatever drew it: a part of the page may draw itself, such as a sheet that was asked for.
 new MutationObserver(holdChanged).observe(place, {subtree: true, childList: true, characterData: true});
+window.addEventListener("pointerdown", () => (state.touchedAt = performance.now()), true);
 place.addEventListener("click", (event) => {
-  if (event.target.closest("[data-changed]")) {
+  const held = event.target.closest("[data-changed]");
+  if (held) {
     event.preventDefault();
     event.stopPropagation();
+    hold(held, meanings.get(held).meaning);  // whoever touches again and again waits for nothing to begin
   } else if (state.gone) {
     state.gone = "";
     draw();
@@ -618,46 +828,29 @@ function Page() {
   }
   const isOld = live.silentSince !== null || !zone;
   document.body.classList.toggle("old", isOld);
-  const judge = session.role === "judge" ? session.person : "";
   const zones = session.zone ? null : data["page.zones"];
-  const isJudged = Boolean(zone) && zone.judging.some((run) => run.identity === zone.identity && run.count > 0);
   const late = waitingText(marks, texts);
   const trouble = marks.refused.length > 0 ? refusedText(marks.refused[0], texts) : late ? late
     : !zone && live.silentSince === null ? noZone(texts) : "";
-  strip.note(trouble || (live.silentSince === null ? state.gone || state.said : texts.not_current),
+  strip.note(trouble || (live.silentSince === null ? state.gone || state.said || stopText(zone, texts) : texts.not_current),
     Boolean(trouble || state.gone) || isOld);
   const part = (name, made) => html`<${Guard} key=${name} name=${name}>${made}<//>`;
   return html`
-    ${part(texts.zone, html`<${Header} zone=${zone} zones=${zones} session=${session} texts=${texts} />`)}
-    ${zones && zones.length > 1 && part(texts.all_zones, html`<${Others} zones=${zones} zone=${zone} texts=${texts} />`)}
     ${part("⚠", html`<${Urgent} zone=${zone} zones=${zones} />`)}
+    ${part("!", html`<${Alerts} texts=${texts} />`)}
     ${zones && state.isChoosing && part("…", html`<${Zones} zones=${zones} texts=${texts} />`)}
     ${IS_BOX && part("nav", html`<${Nav} session=${session} part=${state.part} open=${openPart} texts=${texts} zones=${zones} />`)}
     ${zone && state.part !== OWN ? html`
       <fieldset disabled=${isOld} class="all whole">${part(texts[`part_${state.part}`], html`
         <${Part} key=${state.part} part=${state.part} data=${data[`part.${state.part}`]} zone=${zone} zones=${data["page.zones"]}
           session=${session} texts=${texts} marks=${marks} give=${give} undo=${(last) => undo(last, texts)}
-          openZone=${openInZone} ended=${ended} />`)}</fieldset>` : zone ? html`
-      <div class="all">
-        <fieldset disabled=${isOld}>
-          ${part(texts.time, html`<${Run} zone=${zone} texts=${texts} />`)}
-          ${part(texts.state, html`<${Now} zone=${zone} texts=${texts} judge=${judge} />`)}
-        </fieldset>
-        <div>
-          ${!judge && html`<fieldset disabled=${isOld}>
-            ${part(texts.commands, html`<${Commands} zone=${zone} texts=${texts} />`)}
-            ${part(texts.unsigned, html`<${Over} zone=${zone} texts=${texts} />`)}</fieldset>`}
-          ${judge && part(texts.judges, zone.judging.filter((run) => run.count > 0).map((run) => html`
-            <${JudgeRun} key=${run.identity} zone=${zone.zone} run=${run} marks=${marks} texts=${texts} person=${judge}
-              give=${give} />`))}
-          ${isJudged && !judge && html`<p class="nothing">${texts.judges_score}</p>`}
-          ${zone.items.length > 0 && !isJudged && part(texts.sheet, html`
-            <${Sheet} key=${zone.identity} zone=${zone} marks=${marks} texts=${texts} judge=${judge}
-              undo=${judge ? null : (last) => undo(last, texts)} give=${give} />`)}
-          ${!judge && zone.switches && part(texts.switches, html`<fieldset disabled=${isOld}><${Switches} zone=${zone} texts=${texts} /></fieldset>`)}
-        </div>
-      </div>` : html`<p class="nothing">${live.silentSince === null ? noZone(texts) : words.waiting}</p>`}`;
+          openZone=${openInZone} ended=${ended} />`)}</fieldset>` : zone
+      ? part(texts.zone, html`<${ZonePage} key=${zone.zone} zone=${zone} zones=${zones} session=${session} texts=${texts} isOld=${isOld} />`)
+      : html`<p class="nothing">${live.silentSince === null ? noZone(texts) : words.waiting}</p>`}`;
 }
+
+// Whom STOP reaches.
+const stopText = ({phase, robot}, texts) => phase !== "running" ? "" : robot ? texts.stop_reaches.replace("{robot}", () => robot) : texts.stop_ends;
 
 // Why no zone is shown.
 function noZone(texts) {

@@ -141,6 +141,11 @@ class SheetItem(NamedTuple):
     needs: Tuple[str, ...] = ()  # desc of each item that must be given for this one to count
     unit: str = ""  # of the value, such as %
     late: Tuple[int, ...] = ()  # numbers of its entries that do not count, because they came after the time limit
+    under: str = ""  # desc of the item that it modifies; empty: none
+    percent: str = ""  # what it is worth, of what the items before it left, instead of points
+    incident: str = ""  # what the rules call an incident
+    after: str = ""  # of an incident: seconds after which another one follows by itself
+    until: Tuple[str, ...] = ()  # of an incident: desc of each that ends it
 
 
 class Switches(NamedTuple):

@@ -24,9 +24,10 @@ from roah_rsbb.document.calls import RING
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.messages import DevicesSeen
+from roah_rsbb.model.records import SheetPoints
 from roah_rsbb.model.results import EventSeen, JudgedRun, Judging, RunLine, RunSheet, RunTimeline
 from roah_rsbb.model.scoring import INCIDENTS
-from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, RUNNING, Count, RunClock, SheetItem, ZoneSeen
+from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, RUNNING, Count, Event, RunClock, SheetItem, ZoneSeen
 from roah_rsbb.protocol import wire_seconds
 from roah_rsbb.web.numbered import Key, Numbered, NumberedDocument
 from roah_rsbb.web.pairing import JUDGE, REFEREE, DeviceSession, Grant
@@ -59,7 +60,9 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
         "zone": zone.zone,
         "identity": zone.identity,
         "phase": zone.phase,
-        "phase_text": sheets.marked_phase(zone.phase, zone.end_reason),
+        "phase_text": sheets.phase(zone.phase, zone.end_reason),
+        "end": zone.end_reason,
+        "has_second_clock": bool(zone.clock.goal_limit or zone.clock.phases),
         "look": sheets.look(zone.phase, zone.end_reason),
         "title": f"{event.code}  {event.desc}",
         "team": event.team,
@@ -83,9 +86,8 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
         "switches": None if zone.switches is None else zone.switches._asdict(),
         "items": [item_page(item) for item in zone.items],
         "incidents": sheets.incidents_text(zone.items),
-        "points": sheets.points_text(zone.points),
-        "steps": sheets.steps_text(zone.points),
-        "unsigned": [_unsigned_run(run, moments, utc_s) for run in unsigned],
+        **_sums(zone.points),
+        "unsigned": [{**_unsigned_run(run, moments, utc_s), "is_here": _is_of(run, event)} for run in unsigned],
         "unlisted": len(waiting) - len(unsigned),
         # First that of the run in the zone, so that no judge takes another one for it.
         "judging": [_judging(judgings[run.identity], run, moments, utc_s)
@@ -103,8 +105,21 @@ def moment(document: Document, utc_s: float) -> Tuple[object, ...]:
 def sheet_page(sheet: RunSheet) -> Data:
     """Return the score sheet of a run, as `zone_page` has that of the run in the zone."""
     return {"items": [item_page(item) for item in sheet.items], "incidents": sheets.incidents_text(sheet.items),
-            "points": sheets.points_text(sheet.points),
-            "steps": sheets.steps_text(sheet.points)}
+            **_sums(sheet.points)}
+
+
+def _sums(points: Optional[SheetPoints]) -> Data:
+    """Return the points of a sheet, in words and by group."""
+    return {
+        "points": sheets.points_text(points), "steps": sheets.steps_text(points),
+        "total": "" if points is None else number(points.total),
+        "groups": {} if points is None else {group.name: number(group.points) for group in points.groups},
+    }
+
+
+def _is_of(run: RunLine, event: Event) -> bool:
+    """Whether a run is one of an event."""
+    return (run.code, run.team, run.round, run.run) == (event.code, event.team, event.round, event.run)
 
 
 def timeline_page(run: Optional[RunTimeline]) -> Optional[Data]:
@@ -119,8 +134,10 @@ def timeline_page(run: Optional[RunTimeline]) -> Optional[Data]:
 def clock_page(zone: ZoneSeen, mono: float) -> Data:
     """Return the times of the run in a zone at a moment of the box's clock."""
     clock = clock_of(zone.clock, zone.phase, mono)
+    limit, spent_s = zone.clock.limit, zone.clock.spent(mono)
     return {"main": _figure(clock.main), "goal": None if clock.goal is None else _figure(clock.goal),
-            "pause": clock.pause, "aside": clock.aside}
+            "pause": clock.pause, "aside": clock.aside, "below": times.below_clock(zone.clock, zone.phase),
+            "part": round(spent_s / limit, 3) if limit else 0}
 
 
 def counts(clock: RunClock) -> bool:
@@ -158,8 +175,13 @@ def item_page(item: SheetItem) -> Data:
         "group": item.group, "desc": item.desc, "type": item.type, "value": item.value,
         "text": item.text, "not_attempted": item.not_attempted, "points": number(item.points),
         "shown": sheets.item_text(item), "late": item.late, "unit": item.unit,
-        "is_incident": item.group == INCIDENTS,
-        "min": item.min, "max": item.max, "choices": item.choices, "judges": item.judges, "ratings": item.ratings,
+        "is_incident": item.group == INCIDENTS, "under": item.under, "each": item.each, "after": item.after,
+        "incident": item.incident, "until": item.until, "worth": sheets.worth_text(item),
+        "gives": sheets.gives_text(item),
+        "step": sheets.PERCENT_STEP if item.unit == sheets.PERCENT else 1,
+        "is_penalty": (item.percent or item.each).startswith("-"),
+        "min": item.min, "max": item.max, "choices": item.choices,
+        "choice_points": item.choice_points, "judges": item.judges, "ratings": item.ratings,
     }
 
 

@@ -47,9 +47,10 @@ PAGE_WITHOUT_STOP = "overlay"  # part of a picture
 # Classes of a page besides its name: of the whole box, also those of the page that it consists of.
 _KINDS = {"box": " device referee"}
 # The style sheets of a page. A page that is not here has the old one.
-# To do: take the old one out when all pages have the parts.
 _PARTS = ("tokens", "dark", "parts")
-_STYLES: Dict[str, Tuple[str, ...]] = {"box": ("pages", *_PARTS, "stop", "box")}
+_STYLES: Dict[str, Tuple[str, ...]] = {
+    "referee": (*_PARTS, "stop", "referee"), "box": (*_PARTS, "stop", "referee", "box"),
+}
 _MEDIA = {"dark": ' media="(prefers-color-scheme: dark)"'}
 # What makes a page one that a phone can install.
 _INSTALLED = ('<link rel="manifest" href="/assets/manifest.json">',
@@ -315,7 +316,7 @@ class PageHandler(OfDevice):
             script="referee" if name in PAGES_WITH_STOP else name or "index",
             styles="\n  ".join([
                 *(f'<link rel="stylesheet" href="/assets/{style}.css"{_MEDIA.get(style, "")}>'
-                  for style in _STYLES.get(name or "index", ("pages",))),
+                  for style in _STYLES.get(name or "index", ("tokens", "dark", "pages", "stop"))),
                 *(_INSTALLED if name in PAGES_OF_DEVICES else ())]),
             layout="" if name in DISPLAYS else 'data-layout="list"',
             stop='<script src="/assets/stop.js"></script>' if has_stop else "",

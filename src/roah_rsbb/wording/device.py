@@ -140,7 +140,10 @@ def page_words() -> Dict[str, Any]:
             failed="A part of this page has failed: {part}. STOP works. Reload the page",
             locked="Locked, because nobody has touched this page for a while. STOP works", unlock="Slide to unlock",
             others_quiet="No other zone needs its referee", close="Close", fill_in="Fill in the fields",
-            really="Press again: {command}", state="State", commands="Commands", more="More commands",
+            really="Press again: {command}", state="State", commands="Commands", more="More",
+            read_on="Read on", marks_sent="{number} marks, all sent", marks_waiting="{number} marks, {waiting} waiting",
+            was_in_time="Was it in time?", points_in_all="points",
+            stop_ends="STOP ends the run. It has no robot", stop_reaches="STOP goes to {robot}",
             sheet="Score sheet", time="Time", connect_robot="Connect {robot}",
             # STOP
             stop="■ STOP", stop_all="■ STOP ALL", hold="hold",

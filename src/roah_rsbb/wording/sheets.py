@@ -51,6 +51,8 @@ _AWAY = say("The box was away for {time} s of the run")
 _AWAY_IN_GOAL = say("The box was away for {time} s of goal {goal}")
 _POINTS = say("{points} points")
 _POINTS_AND = say("{points} points, and {more} for the team")
+# Of a share of an item, and how much of it a touch gives.
+PERCENT, PERCENT_STEP = "%", 25
 _INCIDENTS = tr_later("Incidents")  # the group `model.scoring.INCIDENTS`
 _TIME_LEFT = say("Time left")  # the name of a group of the box's own: `model.scoring.TIME_LEFT`
 _LEFT_OUT = say("{text}. The robot was done meanwhile, so {left_out} s are not counted: the true time is up to "
@@ -162,6 +164,40 @@ def item_text(item: SheetItem) -> str:
     if _is_by_incident(item):
         return tr(BY_INCIDENT)
     return with_unit(item_value(item.type, item.value, item.not_attempted, item.text), item)
+
+
+def worth_text(item: SheetItem) -> str:
+    """Return what an item gives, after its value, such as "of 5, 15 points each"; empty: nothing is known."""
+    most = number(item.max) if item.type in ("uint", "int") else ""
+    if item.percent:
+        return tr("{percent} % of the points before", percent=number(item.percent))
+    if not item.each or item.type == "rating":
+        return tr("of {most}", most=most) if most and item.group != INCIDENTS else ""
+    each = number(item.each).replace("-", "−")
+    if item.type == "bool":
+        return tr("{points} points", points=each)
+    if item.unit == PERCENT:
+        return tr("of {points} points", points=each)
+    if item.each == "1" and item.type == "decimal":
+        return tr("points")
+    return (tr("of {most}, {points} points each", most=most, points=each) if most
+            else tr("{points} points each", points=each))
+
+
+def gives_text(item: SheetItem) -> str:
+    """Return what one touch gives, such as "+80" or "+25 %"; empty: it has no such touch."""
+    if item.unit == PERCENT:
+        return f"+{PERCENT_STEP} %"
+    if item.type not in ("bool", "uint", "int"):
+        return ""
+    if item.percent:
+        return f"{signed(item.percent)} %"
+    return signed(item.each) if item.each not in ("", "0") else "" if item.type == "bool" else "+1"
+
+
+def signed(text: str) -> str:
+    """Return a decimal number with its sign, and a minus as people write it."""
+    return number(text if text.startswith("-") else f"+{text}").replace("-", "−")
 
 
 def with_unit(text: str, item: Any) -> str:

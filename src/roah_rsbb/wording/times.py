@@ -328,6 +328,17 @@ def clock_of(clock: RunClock, phase: str, mono: float) -> Clock:
     return Clock(_left(tr("Run: time left"), clock.limit - spent_s, clock.elapsed.counting), goal, pause, used)
 
 
+def below_clock(clock: RunClock, phase: str) -> str:
+    """Return what the large clock of a run means, in few words."""
+    if phase == ENDED:
+        return tr("used")
+    if phase != RUNNING:
+        return tr("to set up") if clock.setup_elapsed.counting else tr("for the run") if clock.limit else ""
+    if not clock.elapsed.counting:
+        return tr("does not count")
+    return tr("left of {limit}", limit=countdown(clock.limit)) if clock.limit else tr("used")
+
+
 def clock_lines(clock: Clock) -> List[str]:
     """Return the times in words, the most important first."""
     figures = [f"{figure.label} {figure.text}" for figure in (clock.main, clock.goal) if figure is not None]

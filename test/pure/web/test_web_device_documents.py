@@ -57,7 +57,7 @@ def data(desk, key=KEY):
 
 def test_a_zone_is_shown_with_the_reason_of_each_command(desk):
     shown = data(desk)
-    assert (shown["team"], shown["phase_text"], shown["identity"]) == ("Alpha", "▶ RUNNING", "run 1")
+    assert (shown["team"], shown["phase_text"], shown["identity"]) == ("Alpha", "RUNNING", "run 1")
     assert shown["off"]["start"] == ["Already started"] and shown["off"]["stop"] == []
     assert (shown["warnings"], shown["state"]) == ([], ["All OK for start"]), "what to do now is not repeated"
     assert shown["is_urgent"] and shown["todo"] == "No message from the robot for 3 s"

@@ -46,6 +46,7 @@ class TestActions(NeedsBrowser):
     def test_an_action_with_fields_has_a_form(self) -> None:
         page = self.gateway.phone(self.browser, (390, 844))
         page.wait(f"{FORM} !== null", "the form is there")
+        page.wait(CLICKED.format(".to-more:last-child"), "the drawer is opened")
         page.get(f"{FORM}.closest('details').open = true, {FORM}.scrollIntoView({{block: 'center'}})")
         self.assertIn("Give the run more time", page.get(f"{FORM}.textContent"))
         self.assertTrue(page.get(f"{ACT}.disabled"), "what is required is missing")
@@ -67,19 +68,20 @@ class TestActions(NeedsBrowser):
         page = self.gateway.phone(self.browser, (390, 844))
         self.gateway.do(lambda: setattr(self.gateway.zones[0], "form", ODD))
         self.gateway.set(operation=ODD_ASKED)
-        asks = "document.querySelector('.now .asks')"
+        asks = "document.querySelector('.now')"
         page.wait(f"{asks} !== null", "the form is there")
         for text in (ODD_ASKED, *(str(field.label) for field in ODD)):
             self.assertIn(text, page.get(f"{asks}.textContent"))
         act = f"{asks}.querySelector('button[data-command=operation]')"
+        page.wait(f"{act} || (scrollTo(0, 9999), false)", "the end of what is asked was seen")
         self.assertTrue(page.get(f"{act}.disabled"), "what is required is missing")
         page.screenshot(SHOTS / "module_form.png")
         page.get(f"{asks}.querySelector('input[type=checkbox]').click()")
-        page.fill(".asks input[type=number]", "2")
-        page.fill(".asks input[maxlength]", "1.25 0,40 90")
+        page.fill(".now input[type=number]", "2")
+        page.fill(".now input[maxlength]", "1.25 0,40 90")
         page.get(f"(choice => (choice.value = 'floor', choice.dispatchEvent(new Event('change', {{bubbles: true}}))))"
                  f"({asks}.querySelector('select'))")
-        page.wait(CLICKED.format(".asks button[data-command=operation]"), "it is answered")
+        page.wait(CLICKED.format(".now button[data-command=operation]"), "it is answered")
         self.assertEqual(self.given("operation"), {
             "identity": "Home A run 1", "event_id": "",
             "given": {"operation": 7, "held": True, "drops": 2, "place": "floor", "pose": "1.25 0,40 90"}})
@@ -87,9 +89,9 @@ class TestActions(NeedsBrowser):
 
     def test_an_action_without_fields_is_a_button_in_its_row(self) -> None:
         page = self.gateway.phone(self.browser, (390, 844))
-        page.wait(CLICKED.format(".commands > .cells [data-command=call_jury]"), "it is beside the clock")
+        page.wait(CLICKED.format(".commands [data-command=call_jury]"), "it is in the drawer")
         self.assertEqual(self.given("call_jury")["given"], {})
-        page.wait(CLICKED.format(".commands details [data-command=cross_out]"), "it is in the menu")
+        page.wait(CLICKED.format(".commands [data-command=cross_out]"), "it is in the drawer")
         page.wait("document.querySelector('[data-command=cross_out]').textContent.includes('Press again')", "it asks")
         self.assertEqual(self.gateway.count("cross_out"), 0)
         page.wait(CLICKED.format("[data-command=cross_out]"), "once more")

@@ -59,7 +59,7 @@ live.data["page.zone"] = new Proxy(live.data["page.zone"], {get: (zone, name) =>
   return zone[name];
 }});
 new MutationObserver(() => { ticks += 1; }).observe(
-  document.querySelector(".figure.first .time"), {characterData: true, childList: true, subtree: true});
+  document.querySelector(".clock"), {characterData: true, childList: true, subtree: true});
 """
 
 
@@ -68,9 +68,14 @@ def command(name: str) -> str:
     return f'button[data-command="{name}"]'
 
 
-def item(desc: str, number: int) -> str:
-    """The selector of a button of a scoring item, counted from 1."""
-    return f'[data-item="{desc}"] .controls button:nth-of-type({number})'
+def mark(desc: str) -> str:
+    """The selector of the button that marks a scoring item: one more, or yes."""
+    return f'[data-item="{desc}"] .mark'
+
+
+def less(desc: str) -> str:
+    """The selector of the button that takes one away: one less, or no."""
+    return f'[data-item="{desc}"] .take-back'
 
 
 class TestRefereePage(NeedsBrowser, BoxCase):
@@ -189,16 +194,16 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.tap(page, command("start"))
         robot.wait_did("execute HCFGAC")
         self.shows(page, DEVICE, "0")
-        self.tap(page, item(ENTERS, 1))
+        self.tap(page, mark(ENTERS))
         self.shows(page, ENTERS, "yes")
         for _ in range(3):
-            self.tap(page, item(DEVICE, 2))
+            self.tap(page, mark(DEVICE))
         self.shows(page, DEVICE, "3")
         self.tap(page, command("undo"))
         self.shows(page, DEVICE, "2")
-        self.tap(page, item(ENTERS, 2))
+        self.tap(page, less(ENTERS))
         self.shows(page, ENTERS, "no")
-        self.tap(page, item(ENTERS, 1))
+        self.tap(page, mark(ENTERS))
         self.shows(page, ENTERS, "yes")
         page.wait("marks.waiting.length === 0", "the marks are confirmed")
         self.assertEqual(self.values()[DEVICE], 2)
@@ -223,9 +228,9 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.open_over(page)
         page.wait(f"live.data['page.zone'].unsigned[0].identity === {json.dumps(identity)}", "this run is listed first")
         self.tap(page, command("correct"))
-        self.tap(page, f".correction {item(DEVICE, 2)}")
+        self.tap(page, f".correction {mark(DEVICE)}")
         self.shows(page, DEVICE, "3")
-        self.tap(page, f".correction {item(ENTERS, 2)}")
+        self.tap(page, f".correction {less(ENTERS)}")
         self.shows(page, ENTERS, "no")
         # The value may come before the answer to the mark, and only that makes it the one that can be undone.
         undo = ".correction button[data-command=undo]"
@@ -282,11 +287,11 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         os.kill(killed, signal.SIGSTOP)  # it may come back only after the page has said all
         try:
             page.wait(f"{TEXT}.includes('NO LINK TO THE BOX')", "the page says that it is alone")
-            page.wait("document.querySelector('.commands').closest('fieldset').disabled", "no command waits for a link")
+            page.wait("document.querySelector('.dock').closest('fieldset').disabled", "no command waits for a link")
             for number in (1, 2):
-                self.tap(page, item(DEVICE, 2))
+                self.tap(page, mark(DEVICE))
                 self.shows(page, DEVICE, str(number))
-            page.wait(f"document.querySelector('[data-item=\"{DEVICE}\"]').innerText.includes('2 waiting')",
+            page.wait("document.querySelector('.last').innerText.includes('2 waiting')",
                       "marks wait, and the referee sees it")
             self.tap(page, command("undo"))
             self.shows(page, DEVICE, "1")
@@ -305,7 +310,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
 
     def test_fast_touches_count_in_their_order(self) -> None:
         page = self.running()
-        page.wait("document.querySelector('.all button[data-changed]') === null", "nothing has changed just now")
+        page.wait("document.querySelector('.sheets button[data-changed]') === null", "nothing has changed just now")
         page.get("""(() => {
             window.realFetch = fetch;
             window.asked = [];
@@ -316,11 +321,11 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         touched = """(async selector => {
             document.querySelector(selector).click();
             await new Promise(requestAnimationFrame);
-            return [...document.querySelectorAll(".all button[data-changed]")].map(button => button.textContent);
+            return [...document.querySelectorAll(".sheets button[data-changed]")].map(button => button.textContent);
         })(%s)"""
-        for selector in (item(DEVICE, 2), item(DEVICE, 2), item(ENTERS, 1)):
+        for selector in (mark(DEVICE), mark(DEVICE), mark(ENTERS)):
             self.assertEqual(page.get(touched % json.dumps(selector)), [], "a mark changes no button")
-        page.get(touched % json.dumps(item(ENTERS, 2)))
+        page.get(touched % json.dumps(less(ENTERS)))
         for desc, entered, status in ((DEVICE, "1", 200), (DEVICE, "1", 503), (DEVICE, "1", 200), (ENTERS, 1, 409),
                                       (ENTERS, 0, 200)):
             page.wait("asked.length === 1", "one is sent, when the one before is answered")
@@ -335,7 +340,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         page.screenshot(SHOTS / "web_referee_refused.png")
         self.tap(page, command("close_refused"))
         page.wait(f"!{TEXT}.includes('somebody has signed')", "until it is closed")
-        page.get(f"document.querySelector({json.dumps('[data-item=' + json.dumps(DEVICE) + '] .more')}).click()")
+        page.get(f"document.querySelector({json.dumps('[data-item=' + json.dumps(DEVICE) + '] .item-name')}).click()")
         page.fill(".options input", "a note on this run")
         page.get("live.data['page.zone'].identity = 'the next run', live.onChange(['page.zone']), 0")
         page.wait("document.querySelector('.options') === null", "a note that was typed is for no other run")
@@ -343,7 +348,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
     def test_not_attempted_is_pressed_and_taken_off(self) -> None:
         page = self.running()
         more, button = (f"document.querySelector({json.dumps(f'[data-item={json.dumps(ENTERS)}] {what}')})"
-                        for what in (".more", ".options button"))
+                        for what in (".item-name", ".options button"))
         touched = "(b => b && !b.dataset.changed && (b.click(), true))(%s)"  # a button that changed takes no touch
         page.wait(touched % more, "the options are opened")
         for pressed in ("true", "false"):
@@ -354,7 +359,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
 
     def test_a_number_is_typed_below_the_options(self) -> None:
         page = self.running()
-        more = f"document.querySelector({json.dumps(f'[data-item={json.dumps(DEVICE)}] .more')})"
+        more = f"document.querySelector({json.dumps(f'[data-item={json.dumps(DEVICE)}] .item-name')})"
         page.wait(f"(b => b && !b.dataset.changed && (b.click(), true))({more})", "the options are opened")
         page.fill(".options .entry input", "17")
         self.tap(page, ".options .entry button")
@@ -364,15 +369,15 @@ class TestRefereePage(NeedsBrowser, BoxCase):
 
     def test_a_mark_that_is_not_on_all_disks_is_not_confirmed_and_keeps_no_other_one(self) -> None:
         page = self.running()
-        page.wait("document.querySelector('.all button[data-changed]') === null", "nothing has changed just now")
+        page.wait("document.querySelector('.sheets button[data-changed]') === null", "nothing has changed just now")
         page.get("""(() => {
             window.asked = [];
             window.fetch = (path, how) => new Promise(done => asked.push({id: JSON.parse(how.body).id, done}));
             window.answer = (id, status, body) => asked.splice(asked.findIndex(one => one.id === id), 1)[0].done(
                 new Response(JSON.stringify(body), {status, headers: {"Content-Type": "application/json"}}));
         })()""")
-        for number in (1, 2):
-            page.get(f"document.querySelector({json.dumps(item(ENTERS, number))}).click()")
+        for number, button in enumerate((mark(ENTERS), less(ENTERS)), 1):
+            page.get(f"document.querySelector({json.dumps(button)}).click()")
             page.wait(f"marks.waiting.length === {number}", "it is entered")
         self.assertEqual(page.get("asked.length"), 1, "the second one waits for the first one")
         first, second = page.get("marks.waiting.map(mark => mark.id)")
@@ -392,9 +397,9 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         second = self._leaving(self.browser.page(f"{URL}/referee?language=en&zone={HALL}", *PHONE))
         self.shows(second, DEVICE, "0")
         first.get("window.fetch = () => Promise.reject(new TypeError('no network')), 0")
-        self.tap(first, item(DEVICE, 2))
+        self.tap(first, mark(DEVICE))
         first.wait(f"{TEXT}.includes('NOT CONFIRMED: ')", "the first tab could not send its mark")
-        self.tap(second, item(ENTERS, 1))
+        self.tap(second, mark(ENTERS))
         self.shows(second, ENTERS, "yes")
         second.wait("marks.waiting.length === 0", "the mark of the second tab is confirmed")
         first.reload()
@@ -405,7 +410,8 @@ class TestRefereePage(NeedsBrowser, BoxCase):
                    "&& left === 0", "nothing is left of it")
         self.paired(person="Bert")
         for page in (first, second):
-            page.wait(f"{TEXT}.includes('Bert · Referee in')", "all tabs belong to who was paired last")
+            page.wait("document.querySelector('.links').textContent.includes('Bert · Referee in')",
+                      "all tabs belong to who was paired last")
         was_old = first.note(f"{TEXT}.includes('NO LINK')")
         first.get("Date.now = (now => () => now() + 3600e3)(Date.now), 0")
         first.wait(f"{was_old} && !{TEXT}.includes('NO LINK')", "after a sleep, nothing counts that was before")
@@ -414,7 +420,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         page = self.running()
         page.get("window.sent = 0, window.realFetch = fetch, window.fetch = (...what) => realFetch(...what).then(() => "
                  "{ sent += 1; throw new TypeError('the answer is lost'); }), 0")
-        self.tap(page, item(DEVICE, 2))
+        self.tap(page, mark(DEVICE))
         page.wait(f"{TEXT}.includes('NOT CONFIRMED: ')", "the page says that it is not confirmed")
         self.assert_accessible("not confirmed", page)
         page.screenshot(SHOTS / "web_referee_not_confirmed.png")
@@ -429,7 +435,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         """The second mark of a run."""
         identity = self.box.zone_details(ZONE).identity
         page.get("window.fetch = () => Promise.reject(new TypeError('no network')), 0")
-        self.tap(page, item(DEVICE, 2))
+        self.tap(page, mark(DEVICE))
         page.wait(f"{TEXT}.includes('NOT CONFIRMED: ')", "the page says that it is not confirmed")
         self.kill_core()
         wait_served()
@@ -445,10 +451,10 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.addCleanup(browser.close)
         page = self.running(browser=browser)
         identity = self.box.zone_details(ZONE).identity
-        self.tap(page, item(DEVICE, 2))
+        self.tap(page, mark(DEVICE))
         page.wait("marks.waiting.length === 0", "the mark is confirmed")
         # The core is killed while marks are on their way: whether they arrived before is not known.
-        page.get(f"[1, 2, 3].forEach(() => document.querySelector({json.dumps(item(DEVICE, 2))}).click())")
+        page.get(f"[1, 2, 3].forEach(() => document.querySelector({json.dumps(mark(DEVICE))}).click())")
         self.kill_core()
         page.wait("marks.waiting.length === 0 && !document.body.classList.contains('old')", "all marks are confirmed")
         self.shows(page, DEVICE, "4")
@@ -457,7 +463,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         ask(self.box, "revoke")
         page = self.paired()
         self.shows(page, DEVICE, "4")
-        self.tap(page, item(DEVICE, 2))
+        self.tap(page, mark(DEVICE))
         self.shows(page, DEVICE, "5")
         page.wait("marks.waiting.length === 0", "the mark is confirmed")
         self.touch_stop(page)
@@ -497,9 +503,9 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         page = self.paired("judge", person, language, HALL)
         self.shows(page, OBJECTS, "0")
         for number in range(objects):
-            self.tap(page, item(OBJECTS, 2))
+            self.tap(page, mark(OBJECTS))
             self.shows(page, OBJECTS, str(number + 1))
-        self.tap(page, item(EMPTY, 1))
+        self.tap(page, mark(EMPTY))
         page.fill("[data-item=Presentation] input", rating)
         self.tap(page, "[data-item=Presentation] .entry button.main")  # it stands out until the value is set
         page.wait("marks.waiting.length === 0", "the marks are confirmed")
@@ -543,7 +549,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.tap(head, settle + ".given button:last-child")  # what Ben gave
         head.wait(f"{chosen}.value === '3'", "it is chosen")
         head.fill(settle + "form > label:last-of-type input", "the video shows three")
-        button = f"document.querySelector({json.dumps(settle + 'form > button.main')})"
+        button = f"document.querySelector({json.dumps(settle + 'form > button')})"
         # A script presses: while the core is away, the page disables the button and moves it.
         head.wait(f"(b => b && !b.matches(':disabled, [data-changed]') && (b.click(), true))({button})",
                   "it can be settled")
@@ -583,7 +589,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         ben.wait(f"{TEXT}.includes('asks you to look again: count once more')", "the judge reads why")
         head.wait(f"{TEXT}.includes('Ben: looks again')", "the head referee sees it")
         self.assertEqual(list(self.judging(identity).judged), [], "the values are hidden again")
-        self.tap(ben, run + item(OBJECTS, 1))
+        self.tap(ben, run + less(OBJECTS))
         ben.wait("marks.waiting.length === 0", "the mark is confirmed")
         self.press_twice(ben, "submit", "Press again")
         head.wait(f"{TEXT}.includes('Ben: has submitted') && !{TEXT}.includes('Items to settle')", "the judges agree")

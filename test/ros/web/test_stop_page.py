@@ -51,10 +51,11 @@ STATES: Dict[str, Tuple[Dict[str, Any], str, bool]] = {
     "typed answer": ({**OPERATION, "choices": []}, "document.querySelector('.operation input').focus()", True),
     "timeout": ({"phase": "ended", "end_reason": "timeout"}, "", False),
     "over, sheet open": ({"phase": "ended", "end_reason": "stopped"},
-                         "document.querySelector('.sheet .more').click(), document.querySelector('.over').open = true, "
+                         "document.querySelector('.sheet .item-name').click(), "
+                         "document.querySelector('.over').open = true, "
                          "document.querySelector('.sheet').scrollIntoView()", False),
     "more open": ({"phase": "running"},
-                  "document.querySelector('.commands details').open = true, scrollTo(0, 9999)", True),
+                  "document.querySelector('.to-more:last-child').click(), scrollTo(0, 9999)", True),
     "zones open": ({"phase": "running"}, "document.querySelector('.others, .who').click()", True),
     "locked": ({"phase": "running"}, "window.dispatchEvent(new Event('wake'))", True),
     "core silent": ({"phase": "running"}, "", True),
@@ -93,13 +94,12 @@ NOTE_SHIFTS = """(() => {
     .observe({type: "layout-shift", buffered: false});
 })()"""
 RECTS = """Object.fromEntries([...document.querySelectorAll(
-  ".who, .run, .now, .cells button, .whys, summary, .sheet, .item .controls button, .stop, .stopsaid")
-  ].map((node, number) => {
+  ".who, .run, .last, .incidents, .sheet, .mark, .take-back, .dock, .stop, .stopsaid")
+  ].filter(node => node.offsetParent || getComputedStyle(node).position === "fixed").map(node => {
     const {left, top, width, height} = node.getBoundingClientRect();
     const item = node.closest("[data-item]");
     const name = node.className.split(" ")[0];
-    return [`${name} ${item ? item.dataset.item + node.textContent : ""}${node.dataset.command || ""}${
-      node.matches("summary, .whys") ? number : ""}`, [left, top, width].join()];
+    return [`${name} ${item ? item.dataset.item + node.textContent : ""}`, [left, top, width].join()];
   }))"""
 
 
@@ -168,7 +168,9 @@ class TestStopInEveryState(PhoneCase):
         gateway.do(lambda: setattr(gateway, "is_silent", False))
         page.wait("!document.body.matches('.old')", "the page is current")
         page.get("document.querySelectorAll('details').forEach(one => (one.open = false)), scrollTo(0, 0), "
-                 "document.querySelector('.choice button:last-child')?.click(), document.activeElement.blur(), 0")
+                 "document.querySelector('.choice button:last-child')?.click(), "
+                 "document.querySelector('.drawer:not(.closed) header button')?.click(), "
+                 "document.activeElement.blur(), 0")
         page.get("(knob => knob.offsetParent && knob.dispatchEvent(new MouseEvent('click')))"
                  "(document.querySelector('.lock button')), 0")
 
@@ -497,8 +499,8 @@ class TestWays(PhoneCase):
 class TestOthersStop(PhoneCase):
     """A robot that did not answer a STOP which this phone did not send."""
 
-    WHYS = "document.querySelector('.commands .whys').textContent"
-    IS_NEXT = "document.querySelector('button[data-command=disconnect]').matches('.main')"
+    WHYS = "(document.querySelector('.dock-why')?.textContent || '')"
+    IS_NEXT = "document.querySelector('button[data-command=disconnect]').matches('.next')"
     WARNED = "R2D2 did not answer STOP. After the disconnect the box does not repeat it: stop by hand first"
 
     def test_every_line_says_so_and_disconnect_is_not_the_next_command(self) -> None:
@@ -510,8 +512,8 @@ class TestOthersStop(PhoneCase):
         page.wait("document.querySelector('.todo.urgent').innerText.includes('The robot did not answer STOP')", "to do")
         self.assertFalse(page.get(self.IS_NEXT))
         self.assertTrue(page.get(self.WHYS).startswith(f"⚠ Disconnect: {self.WARNED}"))
-        self.assertIn(f"⚠ Team withdrew: {self.WARNED}",
-                      page.get("document.querySelector('details .whys').textContent"))
+        self.assertIn(f"⚠ {self.WARNED}", page.get(
+            "document.querySelector('[data-command=withdrawn]').closest('li').textContent"))
         page.wait(CLICKED.format("button[data-command=disconnect]"), "once")
         page.wait(CLICKED.format("button[data-command=disconnect]"), "it is allowed to whoever knows it")
         gateway.wait_given("disconnect", "Home A")
@@ -554,7 +556,8 @@ class TestZoneIsGone(PhoneCase):
         page.wait(STILL, "nothing has changed just now")
         is_other = "document.querySelector('.zones')?.innerText.includes('Home B')"
         page.note(f"{is_other} && (window.first = window.first || "  # the buttons when it is first shown
-                  "[...document.querySelectorAll('.cells button')].map(one => 'changed' in one.dataset), false)")
+                  "[...document.querySelectorAll('.dock button, .incidents button')].map("
+                  "one => 'changed' in one.dataset), false)")
         gateway.do(lambda: gateway.zones.remove(gateway.zone("Hall")))
         gone = "Hall is not in the schedule. This page shows Home B now"
         page.wait(f"{is_other} && {SAID} === {json.dumps(gone)}", "the running zone is shown")
@@ -635,7 +638,7 @@ class TestLeaving(PhoneCase):
     def test_back_does_not_lead_away_from_a_run(self) -> None:
         gateway = self.gateway()
         for page in self.stays(gateway, lambda page: page.get("history.back()")):
-            page.get("document.querySelector('.who a:last-child').click()")
+            page.get("document.querySelector('.links a:last-child').click()")
             page.wait_address("/pair")
             page.wait("document.querySelector('.paired') !== null", "the page for pairing is shown")
             gaps = ("[...document.querySelectorAll('#page a, #page button')].map(one => one.getBoundingClientRect())"
@@ -755,12 +758,12 @@ class TestReloaded(PhoneCase):
 
     def test_the_last_mark_can_be_taken_back_after_a_reload(self) -> None:
         gateway, page = self.running()
-        for number, (desc, _) in enumerate((("Enters", "take_back"), ("Bumps", "mark"))):
-            page.wait(CLICKED.format(f"[data-item^={desc}] .controls button:nth-of-type({number + 1})"), "it is marked")
-            page.wait(f"document.querySelector('{self.UNDO}').textContent.includes('{desc}')", "it can be taken back")
+        for desc in ("Enters", "Bumps"):
+            page.wait(CLICKED.format(f"[data-item^={desc}] .mark"), "it is marked")
+            page.wait(f"document.querySelector('{self.UNDO}').ariaLabel.includes('{desc}')", "it can be taken back")
         page.reload()
         for desc, given in (("Bumps", "mark"), ("Enters", "take_back")):
-            page.wait(f"document.querySelector('{self.UNDO}').textContent.includes('{desc}')", "it still can")
+            page.wait(f"document.querySelector('{self.UNDO}').ariaLabel.includes('{desc}')", "it still can")
             gateway.given.clear()
             page.wait(CLICKED.format(self.UNDO), "it is taken back")
             gateway.wait_given(given, "Home A")
@@ -886,11 +889,13 @@ class TestTouches(PhoneCase):
             ("a manual operation", OPERATION, ".now.operation"),
             ("answered", {"operation": "", "warning": ""}, ".now:not(.operation)"),
         ):
+            if step == "running":  # the sheet takes the place of what is checked before
+                known.clear()
             gateway.set(**of_zones)
             page.wait(f"document.querySelector({json.dumps(shows)}) !== null", step)
             look(step)
         page.get("window.realFetch = fetch, window.fetch = () => Promise.reject(new TypeError('no network')), 0")
-        page.wait(CLICKED.format(".item .controls button.main"), "a mark")
+        page.wait(CLICKED.format("[data-item^=Operates] .mark"), "a mark")
         page.wait("marks.waiting.length === 1 && marks.waiting[0].isLate", "a mark is not confirmed")
         look("a mark that is not confirmed")
         page.get("window.fetch = realFetch, 0")
@@ -911,9 +916,9 @@ class TestTouches(PhoneCase):
     def test_no_tap_on_a_mark_is_lost(self) -> None:
         gateway, page = self.running()
         chance = random.Random(1)
-        page.get("document.querySelector('.item .controls .main').scrollIntoView({block: 'center'})")
+        page.get("document.querySelector('[data-item^=Operates] .mark').scrollIntoView({block: 'center'})")
         page.wait(STILL, "nothing has changed just now")
-        left, top, width, height = page.box(".item .controls .main")
+        left, top, width, height = page.box("[data-item^=Operates] .mark")
         phase = "running"
         for number in range(TAPS):
             if chance.random() < 0.3:  # just before a touch, or while it is on its way
@@ -925,7 +930,7 @@ class TestTouches(PhoneCase):
                 page.wait("marks.waiting.length < 10", "most are answered")
         page.wait("marks.waiting.length === 0", "all are answered")
         self.assertEqual(gateway.count("mark"), TAPS)
-        self.assertEqual(page.box(".item .controls .main"), (left, top, width, height))
+        self.assertEqual(page.box("[data-item^=Operates] .mark"), (left, top, width, height))
 
     def test_a_control_that_means_something_else_ignores_a_touch(self) -> None:
         gateway = self.gateway()
@@ -1147,7 +1152,7 @@ class TestLooks(PhoneCase):
         gateway = self.gateway()
         for language in LANGUAGES:
             page = self.phone(gateway, SIZES[0], language)
-            left, top, width, height = page.box(".cells")
+            left, top, width, height = page.box(".dock")
             self.assertLessEqual(top + height, page.box(".stopbar")[1])
             page.close()
 

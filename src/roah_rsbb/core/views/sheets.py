@@ -1,8 +1,9 @@
 """Runs, their score sheets and their judges as referees see them, made of the records."""
 
+import functools
 import json
 import zlib
-from typing import Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
 from roah_rsbb.core.desks import RunJudging
 from roah_rsbb.model.as_json import to_json
@@ -26,7 +27,7 @@ from roah_rsbb.model.results import (
     RunTimeline,
 )
 from roah_rsbb.model.rules import Number
-from roah_rsbb.model.scoring import Key, ScoreKind, ScoringItem, SheetForm
+from roah_rsbb.model.scoring import INCIDENTS, Key, ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.scoring.counting import Why
 from roah_rsbb.scoring.judges import ItemVerdict
@@ -43,11 +44,35 @@ def sheet_items(
     """Return all items of a score sheet, with what each takes. `form`: None if the items have no rules; `history`:
     entries, of which some may be late."""
     rules = {} if form is None else {item.key: item for item in form.items}
+    around = _around(form)
     late: Dict[Key, Tuple[int, ...]] = {}
     for entry in history:
         if entry.void and is_late(entry.void):
             late[entry.group, entry.desc] = (*late.get((entry.group, entry.desc), ()), entry.number)
-    return tuple(_item(item, rules.get(item.key), late.get(item.key, ())) for item in items)
+    return tuple(_item(item, rules.get(item.key), late.get(item.key, ()))._replace(**around.get(item.key, {}))
+                 for item in items)
+
+
+@functools.lru_cache(maxsize=64)
+def _around(form: Optional[SheetForm]) -> Dict[Key, Dict[str, Any]]:
+    """Return what follows for rows from others: what they modify, and what an incident leads to."""
+    if form is None or form.sheet is None:
+        return {}
+    rows, items = {row.id: row for row in form.items}, {item.id: item for item in form.sheet.items}
+    found: Dict[Key, Dict[str, Any]] = {}
+    for row in form.items:
+        above = items[row.id].under if row.id in items else ""
+        while above and above not in rows:  # a section
+            above = items[above].under
+        if above:
+            found[row.key] = {"under": rows[above].desc}
+    after = {incident.of: incident.after for incident in form.sheet.incidents if incident.of}
+    titles = {incident.name: incident.title for incident in form.sheet.incidents}
+    for name, title in titles.items():
+        found[INCIDENTS, title] = {"incident": name, "after": _number(after.get(name))}
+    for incident in form.sheet.incidents:
+        found[INCIDENTS, incident.title]["until"] = tuple(titles.get(name, name) for name in incident.ends)
+    return found
 
 
 def _item(record: ItemRecord, rule: Optional[ScoringItem], late: Tuple[int, ...]) -> SheetItem:
@@ -62,7 +87,7 @@ def _item(record: ItemRecord, rule: Optional[ScoringItem], late: Tuple[int, ...]
         choice_points=tuple(_number(choice.points) for choice in rule.choices),
         judges=rule.judges, ratings=tuple(ratings.get(judge, "") for judge in rule.judges),
         jury=rule.jury.value if rule.judges else "", needs=tuple(desc for _, desc in rule.needs),
-        unit=rule.unit,
+        unit=rule.unit, percent=_number(rule.percent),
     )
 
 
