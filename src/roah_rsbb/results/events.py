@@ -152,7 +152,10 @@ def _command(_memory: _Memory, entry: JournalEntry) -> str:
     command = dict(_dict(entry.value))
     name = value_text(command.pop("command", "?"))
     refused = command.pop("refused", None)
-    words = [name, *(f"{key}: {value_text(value)}" for key, value in command.items())]
+    desc, group = command.pop("desc", None), command.pop("group", None)
+    words = [name if desc is None else f"{name}: {value_text(desc)}",  # what was marked comes first: lists cut the text
+             *(f"{key}: {value_text(value)}" for key, value in command.items()),
+             *([] if group is None else [f"group: {value_text(group)}"])]
     if refused is not None:
         reasons = refused if isinstance(refused, list) else [refused]
         words.append("REFUSED: " + "; ".join(value_text(reason) for reason in reasons))

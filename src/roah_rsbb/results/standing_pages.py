@@ -42,7 +42,8 @@ def _runs(standing: Standing, team: TeamLine, sheets: Mapping[str, str]) -> Mark
     parts: List[Child] = []
     for i, run in enumerate(team.runs):
         numbers = ", ".join(map(number_with_unit, run.numbers, standing.units))
-        text = f"{run_text(run)}: {numbers}"
+        name = run_text(run) if standing.benchmark else f"{run.record.benchmark}, {run_text(run)}"
+        text = f"{name}: {numbers}"
         link = linked(text, run.record.identity, sheets)
         parts += [tag("br")] if i else []
         decides = i in team.counting and (len(team.counting) == 1 or len(team.counting) < len(team.runs))

@@ -47,6 +47,7 @@ DOOR = (row("door", 200, 2, needs=(Condition("inside", since=2, after=True),)),
     ([mark("door", at=10), mark("door", at=20), mark("plate", at=30)], 270),
     ([mark("door", at=10), mark("door"), mark("plate", at=30)], 470),
     ([mark("door", at=10), mark("plate", at=20), mark("door", at=20)], 470),
+    ([mark("door", at=Fraction(1, 4)), mark("door", at=Fraction(1, 2)), mark("plate")], 470),
     ([mark("door", at=10), mark("plate", at=20), mark("door", at=30), mark("plate", at=40)], 540),
 ])
 def test_a_later_count_needs_another_row_before_it(marks, points):
@@ -65,7 +66,8 @@ SOLVED = (Item("solved", "solved", amount=Measure.PERCENT, points=Decimal(650), 
     ([mark("solved", 2), mark("again"), mark("help", 2, share=Fraction(3, 5))], 260 + 140),
 ])
 def test_the_percentage_of_a_time_is_of_what_is_left(marks, points):
-    assert worth(SOLVED, *marks).total == points
+    found = worth(SOLVED, *marks)
+    assert (found.total, sum(found.own.values())) == (points, points)
 
 
 def test_a_percentage_of_the_whole_sheet():
