@@ -16,7 +16,6 @@ from helpers.examples import OPENINGS, STORIES, examples
 from helpers.linked_world import FakeLink, World, assert_legal
 from roah_rsbb.core import effects
 from roah_rsbb.core.link.freshness import Freshness, Timeline
-from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import document
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.core.views.public import Publicity, PublicResults
@@ -225,85 +224,20 @@ def test_whatever_referee_and_robot_do_both_ends_keep_to_their_tables(link, seed
             assert_legal(world, port, robot)
 
 
-ROBOTS = (("Alpha", "r1"), ("Beta", "r1"), ("Gamma", "r1"))
-RUN_ZONES = ("a", "b", "all")
-ROBOT = st.integers(0, len(ROBOTS) - 1)
-STATES = st.sampled_from([*RobotState, RobotState.EXECUTING, RobotState.RESULT_TX])
-
-ACTS = st.one_of(
-    *[st.tuples(st.just("report"), ROBOT, STATES, st.sampled_from([0, 1]))] * 4,
-    st.tuples(st.just("command"), st.sampled_from(RUN_ZONES), st.sampled_from([*sorted(COMMANDS), "start", "connect"])),
-    st.tuples(st.just("beacon"), ROBOT),
-    st.tuples(st.just("jump"), st.sampled_from([0.01, 0.5, 2.0, 4.0, 20.0])),
-    st.tuples(st.just("failed"), st.integers(6667, 6670)),
-)
-
-
-class _Side:
-    """A box and its robots, without ticks between the events."""
-
-    def __init__(self, looks_at_all):
-        settings = Settings(check_messages_saved=True, check_messages_saved_timeout=3.0)
-        self.driver = BoxDriver(competition(
-            a=[event("HWV", team="Alpha", timeout=30.0)], b=[event("HGTKMH", team="Beta", timeout=15.0)],
-            all=[event("HSUF", team="ALL", timeout=20.0)],
-        ), settings)
-        self._looks_at_all = looks_at_all
-        self.robots = [self.driver.robot(team, name, host=f"10.0.0.{i}") for i, (team, name) in enumerate(ROBOTS)]
-        for robot in self.robots:
-            robot.beacon()
-
-    def deadline(self):
-        self._forget()
-        return self.driver.box.timers.deadline()
-
-    def _forget(self):
-        """Have the box look at all runs at the next report, as if it never remembered when one is due."""
-        if self._looks_at_all:
-            self.driver.box._calm_until = None
-
-    def act(self, kind, *what):
-        driver = self.driver
-        self._forget()
-        if kind == "jump":
-            driver.jump(*what)
-        elif kind == "beacon":
-            self.robots[what[0]].beacon()
-        elif kind == "failed":
-            driver.event(driver.box.arrivals.on_channel_failed, what[0], "in use")
-        elif kind == "command":
-            try:
-                driver.command(*reversed(what))
-            except Refused:
-                return
-        else:
-            self._report(*what)
-
-    def _report(self, index, state, saved):
-        robot = self.robots[index]
-        for run in self.driver.box.zones.members():
-            if run.robot == (robot.team, robot.name):
-                self.driver.jump(0.001)
-                robot.port = run.port
-                robot.send(robot.report(state, messages_saved=saved))
-
-
 @examples(150)
-@given(st.lists(ACTS, max_size=60), st.sampled_from([("a", "b"), ("all",)]))
-def test_the_box_does_the_same_as_one_that_looks_at_all_runs_each_time(acts, begun):
-    sides = [_Side(looks_at_all=False), _Side(looks_at_all=True)]
-    acts = [
-        *[("command", zone, "connect") for zone in begun], *[("report", i, RobotState.STOP, 1) for i in range(3)],
-        *[("command", zone, "start") for zone in begun], *[("report", i, RobotState.WAITING_GOAL, 1) for i in range(3)],
-        *acts,
-    ]
-    for act in acts:
-        for side in sides:
-            side.act(*act)
-        ours, theirs = (side.deadline() for side in sides)
-        assert (ours is None) == (theirs is None)
-        assert ours is None or ours <= theirs
-        assert sides[0].driver.effects == sides[1].driver.effects, act
+@given(OPENINGS, STORIES)
+def test_the_box_does_the_same_as_one_that_looks_at_all_runs_each_time(opening, story):
+    plays = [Play(opening, BoxDriver) for _ in range(2)]
+    ours, theirs = (play.driver for play in plays)
+    for act in story:
+        theirs.box.timers.moved()
+        for play in plays:
+            play.do(act)
+        theirs.box.timers.moved()
+        due, due_then = (driver.box.timers.deadline() for driver in (ours, theirs))
+        assert (due is None) == (due_then is None)
+        assert due is None or due <= due_then
+        assert ours.effects == theirs.effects, act
 
 
 def test_one_robot_that_reports_does_not_hide_that_another_is_silent():

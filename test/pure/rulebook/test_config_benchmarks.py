@@ -76,13 +76,19 @@ def test_one_mistake_is_one_error_in_its_line(files, old, new, parts):
     assert [part for part in parts if part not in message] == [], message
 
 
-def test_every_missing_key_is_named_where_its_map_begins(files):
-    text = changed("benchmarks", "  code: HWV\n  timeout: 600\n", "")
+@pytest.mark.parametrize("old, new, where, expected", [
+    ("  code: HWV\n  timeout: 600\n", "", "Task Benchmark 2",
+     "found a benchmark without code and timeout; expected something like 'code: HGTKMH' and 'timeout: 600'"),
+    ("- name: Task Benchmark 2", "  name: Task Benchmark 2", "Task Benchmark 2", "the key 'name' again"),
+    ("- name: Task Benchmark 2", "  name: Task Benchmark 2", "Task Benchmark 2", "a new item begins with '- '"),
+])
+def test_missing_keys_are_named_where_their_map_begins_and_maps_run_together_where_they_meet(
+    files, old, new, where, expected,
+):
+    text = changed("benchmarks", old, new)
     _, line, message = files.error(benchmarks=text)
-    assert line == line_of(text, "Task Benchmark 2")
-    assert message == "found a benchmark without code and timeout; expected something like " + (
-        "'code: HGTKMH' and 'timeout: 600'"
-    )
+    assert line == line_of(text, where)
+    assert expected in message
 
 
 def test_the_same_item_twice_in_a_group_but_not_in_two(files):
@@ -99,13 +105,6 @@ def test_a_key_twice_is_an_error_and_not_silently_the_last(files):
     first = line_of(text, "timeout: 5")
     assert line == first + 1
     assert message == f"found the key 'timeout' again; expected each key once: it is already in line {first}"
-
-
-def test_two_benchmarks_run_together_are_one_error(files):
-    text = changed("benchmarks", "- name: Task Benchmark 2", "  name: Task Benchmark 2")
-    _, line, message = files.error(benchmarks=text)
-    assert line == line_of(text, "Task Benchmark 2")
-    assert "the key 'name' again" in message and "a new item begins with '- '" in message
 
 
 def test_all_errors_at_once_in_the_order_of_lines(files):

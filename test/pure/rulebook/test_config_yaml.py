@@ -64,15 +64,9 @@ def test_other_lines_with_tabs_are_named(files):
     assert f"(and at the beginning of line {lines[1]} and {lines[2]})" in message
 
 
-def test_a_quote_that_is_never_closed_is_found_where_it_is_opened(files):
-    text = TEXTS["benchmarks"] + '- name: "Task\n  desc: x\n'
-    _, line, message = files.error(benchmarks=text)
-    assert line == line_of(text, 'name: "Task\n')
-    assert "never closed" in message
-
-
-@pytest.mark.parametrize("end", ["- [a, b,\n", "- {a: b,\n\n", "- {a:", "- [a: [b]", "- [\n"])
-def test_a_bracket_that_is_never_closed_is_found_where_it_is_opened(files, end):
+@pytest.mark.parametrize("end", [
+    '- name: "Task\n  desc: x\n', "- [a, b,\n", "- {a: b,\n\n", "- {a:", "- [a: [b]", "- [\n"])
+def test_a_quote_or_bracket_that_is_never_closed_is_found_where_it_is_opened(files, end):
     text = TEXTS["benchmarks"] + end
     _, line, message = files.error(benchmarks=text)
     assert line == line_of(text, end)

@@ -75,14 +75,6 @@ def test_parameters_of_modules(competition):
         "the text 'long' as goal_timeout", "the text 'old' as maximum_age"]
 
 
-def test_parameters_that_are_not_there(competition):
-    directory = competition()
-    (directory / "modules" / "HNF.yaml").unlink()
-    reported = check(str(directory)).errors
-    assert len(reported) == 1
-    assert "modules/HNF.yaml: found no file" in reported[0]
-
-
 def test_no_parameters_at_all_are_a_warning(competition):
     directory = competition()
     for path in (directory / "modules").iterdir():
@@ -105,11 +97,20 @@ def test_an_empty_directory(tmp_path):
     assert all("found no file" in error for error in found.errors)
 
 
-def test_runs_that_follow_too_soon(competition):
-    directory = competition(X=[run("HWV", "A"), run("HWV", "B", 9), run("HWV", "A", 19, 2)])
-    assert warnings(directory) == [
-        "schedule.yaml: zone 'X': too little time between runs: HWV of B (round 1, run 1) before the end of HWV of A "
-        "(round 1, run 1)"]
+@pytest.mark.parametrize("planned, expected", [
+    ({"X": [run("HWV", "A"), run("HWV", "B", 9), run("HWV", "A", 19, 2)]},
+     "schedule.yaml: zone 'X': too little time between runs: HWV of B (round 1, run 1) before the end of HWV of A "
+     "(round 1, run 1)"),
+    ({"X": [run("HWV", "A")], "Y": [run("HNF", "A", 9), run("HNF", "B", 25)]},
+     "schedule.yaml: team 'A' is in two zones at once: HNF of A (round 1, run 1) in zone 'Y' and HWV of A (round 1, "
+     "run 1) in zone 'X'"),
+    ({"X": [run("HWV", "A"), run("HWV", "B", 30)], "Y": [run("HSUF", "ALL", 5)]},
+     "schedule.yaml: team 'A' is in two zones at once: HSUF of ALL (round 1, run 1) in zone 'Y' and HWV of A (round 1, "
+     "run 1) in zone 'X'"),
+    ({"teams": ("A", "B", "C")}, "passwords.yaml: no runs in the schedule for 'C': is that intended?"),
+])
+def test_a_schedule_that_was_hardly_meant(competition, planned, expected):
+    assert warnings(competition(**planned)) == [expected]
 
 
 def test_a_run_past_midnight(competition):
@@ -135,23 +136,6 @@ def test_many_runs_that_follow_too_soon_are_one_warning(competition):
     assert reported[0].endswith("; and 5 more")
 
 
-def test_a_team_in_two_zones_at_once(competition):
-    directory = competition(X=[run("HWV", "A")], Y=[run("HNF", "A", 9), run("HNF", "B", 25)])
-    assert warnings(directory) == [
-        "schedule.yaml: team 'A' is in two zones at once: HNF of A (round 1, run 1) in zone 'Y' and HWV of A (round 1, "
-        "run 1) in zone 'X'"]
-
-
-def test_all_robots_at_once_while_a_team_is_in_a_run(competition):
-    directory = competition(X=[run("HWV", "A"), run("HWV", "B", 30)], Y=[run("HSUF", "ALL", 5)])
-    assert [w.partition(": ")[2][:34] for w in warnings(directory)] == ["team 'A' is in two zones at once: "]
-
-
-def test_a_team_without_runs(competition):
-    directory = competition(teams=("A", "B", "C"))
-    assert warnings(directory) == ["passwords.yaml: no runs in the schedule for 'C': is that intended?"]
-
-
 def test_a_box_that_does_not_start_without_a_port_for_its_standby(competition):
     directory = competition()
     schedule = directory / files.SCHEDULE
@@ -175,20 +159,16 @@ def test_no_launch_file(competition):
     assert "roslaunch roah_rsbb roah_rsbb.launch" in warnings(directory)[0]
 
 
-def test_a_launch_file_that_is_not_xml(competition):
+@pytest.mark.parametrize("file, old, new, expected", [
+    (files.LAUNCH, "in this folder", "-- in this folder", "competition.launch:2: found invalid XML"),
+    (files.LAUNCH, 'roah_rsbb.launch"', 'other.launch"', "found nothing that starts the box; expected <include"),
+    ("modules/HNF.yaml", "", None, "modules/HNF.yaml: found no file"),
+])
+def test_one_file_that_is_wrong_or_missing(competition, file, old, new, expected):
     directory = competition()
-    change(directory / files.LAUNCH, "in this folder", "-- in this folder")
-    reported = check(str(directory)).errors
-    assert len(reported) == 1
-    assert "competition.launch:2: found invalid XML" in reported[0]
-
-
-def test_a_launch_file_that_does_not_start_the_box(competition):
-    directory = competition()
-    change(directory / files.LAUNCH, "roah_rsbb.launch\"", "other.launch\"")
-    reported = check(str(directory)).errors
-    assert len(reported) == 1
-    assert "found nothing that starts the box; expected <include" in reported[0]
+    (directory / file).unlink() if new is None else change(directory / file, old, new)
+    error, = check(str(directory)).errors
+    assert expected in error
 
 
 def test_a_launch_file_with_another_schedule(competition):

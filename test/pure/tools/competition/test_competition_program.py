@@ -62,11 +62,18 @@ def test_all_options(run, tmp_path):
     assert 'default="10.0.0.9"' in launch
 
 
-def test_nobody_to_ask(run, tmp_path):
-    status, _, err = run("erl", "--teams", "A")
-    assert status == 2
-    assert "not given: --benchmarks, --days; for example: --benchmarks HGTKMH,HWV,HNF --days 2026-11-28" in err
-    assert "--sheet" in err
+@pytest.mark.parametrize("options, typed, status, expected", [
+    (("--teams", "A"), None, 2,
+     "not given: --benchmarks, --days; for example: --benchmarks HGTKMH,HWV,HNF --days 2026-11-28"),
+    (("--teams", "A"), None, 2, "--sheet"),
+    ((), "", 1, "nothing was written"), ((), "BrassButlers\n", 1, "nothing was written"),
+    ((*OPTIONS, "--end", "09:20"), None, 1,
+     "--days: found runs on 2026-11-28 until 09:30; expected that they end by 09:20"),
+])
+def test_nothing_is_written_of_what_is_incomplete(run, tmp_path, options, typed, status, expected):
+    done, _, err = run("erl", *options, typed=typed)
+    assert done == status
+    assert expected in err
     assert os.listdir(str(tmp_path)) == []
 
 
@@ -114,27 +121,12 @@ def test_given_options_are_not_asked_for(run):
     assert out.count("press Enter") == 1
 
 
-@pytest.mark.parametrize("typed", ["", "BrassButlers\n"])
-def test_a_terminal_that_is_closed(run, tmp_path, typed):
-    status, _, err = run("erl", typed=typed)
-    assert status == 1
-    assert "nothing was written" in err
-    assert os.listdir(str(tmp_path)) == []
-
-
 def test_all_wrong_options_are_reported_at_once(run, tmp_path):
     status, _, err = run("erl", "--teams", "a:b", "--benchmarks", "X", "--days", "x", "--begin", "x", "--every", "x",
                          "--time-zone", "x", "--rsbb-host", "x")
     assert status == 1
     assert [line.split(":")[1].strip() for line in err.splitlines()] == [
         "--teams", "--benchmarks", "--days", "--begin", "--every", "--time-zone", "--rsbb-host"]
-    assert os.listdir(str(tmp_path)) == []
-
-
-def test_a_day_that_is_too_short(run, tmp_path):
-    status, _, err = run("erl", *OPTIONS, "--end", "09:20")
-    assert status == 1
-    assert "--days: found runs on 2026-11-28 until 09:30; expected that they end by 09:20" in err
     assert os.listdir(str(tmp_path)) == []
 
 
