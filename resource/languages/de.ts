@@ -1973,8 +1973,23 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Assistant</source>
+        <translation>Assistent</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>Judge</source>
         <translation>Jurymitglied</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Timekeeper</source>
+        <translation>Zeitnehmer</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Observer</source>
+        <translation>Beobachter</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
@@ -2043,6 +2058,16 @@
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>late, says {name}</source>
         <translation>zu spät laut {name}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>arrived {time} s later</source>
+        <translation>{time} s später angekommen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>arrived {time} min later</source>
+        <translation>{time} min später angekommen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
@@ -2246,6 +2271,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>It was made before the sign-off and arrived after it: accept or drop it</source>
+        <translation>Vor dem Abschluss eingegeben, danach angekommen: annehmen oder verwerfen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
         <source>A moment to remember: no text yet</source>
         <translation>Gemerkter Moment: noch ohne Text</translation>
     </message>
@@ -2256,6 +2286,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Clock paused: {why}</source>
+        <translation>Uhr angehalten: {why}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
         <source>Goal: {text}</source>
         <translation>Ziel: {text}</translation>
     </message>
@@ -2263,6 +2298,11 @@
         <location filename="../../src/roah_rsbb/wording/timeline.py"/>
         <source>text by {name} at {time}</source>
         <translation>Text von {name} um {time}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>dropped by {name} at {time}</source>
+        <translation>von {name} um {time} verworfen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/times.py"/>
@@ -4688,6 +4728,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Made so long ago</source>
+        <translation>Eingegeben vor</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Connect</source>
         <translation>Verbinden</translation>
     </message>
@@ -4938,6 +4983,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Decide on a late mark</source>
+        <translation>Über eine verspätete Wertung entscheiden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>It was made before the sign-off and arrived after it. If it is accepted, you sign the new sheet</source>
+        <translation>Sie wurde vor dem Abschluss eingegeben und kam danach an. Wer sie annimmt, schließt den neuen Bogen ab</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Record why it ended</source>
         <translation>Festhalten, warum er endete</translation>
     </message>
@@ -5143,6 +5198,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Accept it</source>
+        <translation>Annehmen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Time for objections</source>
         <translation>Zeit für Einsprüche</translation>
     </message>
@@ -5268,13 +5328,13 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/book.py"/>
-        <source>the run was not stopped yet, so it cannot have a reason</source>
-        <translation>der Lauf wurde noch nicht gestoppt, also kann er keinen Grund haben</translation>
+        <source>a sign-off needs the name of the referee: enter it, in the terminal with --by</source>
+        <translation>zum Abschließen fehlt der Name des Schiedsrichters: Geben Sie ihn ein, im Terminal mit --by</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/book.py"/>
-        <source>a sign-off needs the name of the referee: enter it, in the terminal with --by</source>
-        <translation>zum Abschließen fehlt der Name des Schiedsrichters: Geben Sie ihn ein, im Terminal mit --by</translation>
+        <source>the run was not stopped yet, so it cannot have a reason</source>
+        <translation>der Lauf wurde noch nicht gestoppt, also kann er keinen Grund haben</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/book.py"/>
@@ -5285,6 +5345,21 @@
         <location filename="../../src/roah_rsbb/scoring/book.py"/>
         <source>the run has no note {number}</source>
         <translation>Der Lauf hat keine Notiz {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>{most} marks that came after the sign-off are proposed, which is the most</source>
+        <translation>{most} Wertungen, die nach dem Abschluss kamen, sind vorgeschlagen: mehr sind nicht möglich</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>the run has no proposed mark {number}</source>
+        <translation>Der Lauf hat keine vorgeschlagene Wertung {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>{who} has decided on the proposed mark {number} already</source>
+        <translation>{who} hat über die vorgeschlagene Wertung {number} schon entschieden</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/book.py"/>

@@ -4,10 +4,11 @@ import pytest
 
 from helpers.box_driver import BoxDriver
 from roah_rsbb.core.actions.table import Target
+from roah_rsbb.model import actions
 from roah_rsbb.model.actions import ACTIONS, EVERY, STOP
 from roah_rsbb.model.fields import Choice, Number, Team, Toggle, entered, read
 from roah_rsbb.model.reason import Refused
-from roah_rsbb.web.commands import BadCommand, call_of, command_of
+from roah_rsbb.web.commands import BadCommand, call_of, command_of, may
 from roah_rsbb.web.pairing import DeviceSession, Grant
 
 DEVICE = DeviceSession("id", Grant("referee", ""), "Anna", "phone", 0.0)
@@ -44,17 +45,36 @@ def test_a_value_that_does_not_fit_is_refused_by_the_box_and_by_the_page(action,
     except BadCommand as bad:
         assert f"{field.label}: " in str(bad)
     else:  # what the device says itself
-        assert sent[field.name] in (DEVICE.device_id, "referee", "Anna")
+        assert sent[field.name] in (DEVICE.device_id, "referee", "Anna", 0)
 
 
 @pytest.mark.parametrize("action", [pytest.param(action, id=action.name) for action in FIXED if action.name != STOP])
 def test_values_that_fit_come_from_the_page_to_the_box(action):
     given = {field.name: fitting(field) for field in action.fields}
     name, call = call_of(command_of(action.name, {"zone": "tbm", **given}, DEVICE))
-    own = {"device": DEVICE.device_id, "role": "referee", "judge": "Anna" if action.roles == ("judge",) else "Alpha"}
+    own = {"device": DEVICE.device_id, "role": "referee", "judge": "Anna" if action.roles == ("judge",) else "Alpha",
+           "ago_ms": 0}
     expected = {name: own.get(name, value) for name, value in given.items()}
     assert (name, call["action"], call["given"]) == ("act", action.name, expected)
     assert read(action.fields, call["given"]) == expected
+
+
+MARKING, KEEPING = {"mark", "take_back", "note"}, {"start", "pause", "resume", "next_phase", "previous_phase", "note"}
+JUDGING = {"mark", "judge_mark", "submit"}
+ROLES = {
+    "referee": set(EVERY) - JUDGING | {"mark"}, "organiser": set(EVERY) - JUDGING | {"mark"}, "judge": JUDGING,
+    "assistant": MARKING | {STOP}, "timekeeper": KEEPING | {STOP}, "observer": set(),
+}
+
+
+@pytest.mark.parametrize("role", actions.ROLES)
+def test_a_role_may_do_what_its_name_says_in_its_zone(role):
+    device = DEVICE._replace(grant=Grant(role, "tbm"))
+    for zone, expected in (("tbm", ROLES[role]), ("other", set())):
+        assert expected == {name for name, action in EVERY.items() if may(command_of(name, {"zone": zone, "given": {
+            field.name: fitting(field) if field.name != "judge" else "Anna" for field in action.fields
+            if field.required or field.name == "judge"}}, device))}
+    assert set(actions.allowed(role)) == ROLES[role]
 
 
 @pytest.mark.parametrize("action", OF_TABLE)

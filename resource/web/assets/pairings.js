@@ -5,7 +5,6 @@ import {ask, reasonsText} from "/assets/device.js";
 import {Twice} from "/assets/buttons.js";
 
 const AGAIN_MS = 2000, TICK_MS = 500;
-const ROLES = ["referee", "judge", "organiser"];
 
 // A QR code: always dark on light, as readers need it.
 function Square({rows, label}) {
@@ -38,7 +37,7 @@ export function Pairings({zone, zones, texts}) {
   const [devices, setDevices] = useState([]);
   const [made, setMade] = useState(null);
   const [trouble, setTrouble] = useState("");
-  const [role, setRole] = useState(ROLES[0]);
+  const [role, setRole] = useState("referee");
   const [place, setPlace] = useState("");
   const language = parameters.get("language") || document.documentElement.lang;
   const names = (zones || []).map((one) => one.zone), chosen = place || (zone && zone.zone) || names[0] || "";
@@ -71,7 +70,7 @@ export function Pairings({zone, zones, texts}) {
   return html`
     ${trouble && html`<p class="alarm" role="alert">${trouble}</p>`}
     <div class="filters">
-      ${select(texts.may_act_as, role, ROLES.map((one) => [one, texts[`role_${one}`]]), setRole)}
+      ${select(texts.may_act_as, role, Object.keys(texts.may).map((one) => [one, texts[`role_${one}`]]), setRole)}
       ${role !== "organiser" && select(texts.zone, chosen, names.map((name) => [name, name]), setPlace)}
     </div>
     <div class="controls"><button type="button" class="button next" data-command="new_code" onClick=${make}>${texts.new_code}</button></div>

@@ -16,6 +16,7 @@ from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.machine import RunEvent, is_possible
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.zones import NO_EVENT, NOTHING_TO_STOP, Zone, Zones
+from roah_rsbb.model.actions import ROLES
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.modules import ModulesState, RunForModule
 from roah_rsbb.model.reason import MAX_NOTE, Refused, RunName, checked_note, checked_who, say
@@ -82,8 +83,6 @@ def _only_port(run: Optional[ZoneRun], identity: str) -> Optional[int]:
 MAX_LISTED = 100
 # Characters of the identity of a mark: more than a UUID has.
 MAX_MARK_ID = 64
-# Who may mark.
-ROLES = ("referee", "judge", "organiser")
 NAME_THE_RUN = say("name the run: what arrives late must not count in another run")
 OTHER_ZONE = say("run {run} was in zone '{zone}', not in '{other}'")
 STILL_CONNECTED = say("run {run} is still connected: disconnect it first")
@@ -94,6 +93,7 @@ class MarkOutcome(NamedTuple):
 
     entry: int  # its number in the history; 0: it made no entry
     item: ItemRecord  # as it is now
+    proposed: int = 0  # number of the proposal, if it arrived after the sign-off; 0: it is none
 
 
 class ScoreDesk:
@@ -206,8 +206,9 @@ class ScoreDesk:
 
     def outcome(self, name: RunName, mark: Mark) -> MarkOutcome:
         """Return the result of a mark that was applied. Raises `Refused`."""
-        sheet = self.named(name).sheet
-        return MarkOutcome(sheet.taken(mark.id) or 0, sheet.item(mark.group, mark.desc))
+        run = self.named(name)
+        proposed = (each.number for each in run.book.state.proposals if mark.id and each.mark_id == mark.id)
+        return MarkOutcome(run.sheet.taken(mark.id) or 0, run.sheet.item(mark.group, mark.desc), next(proposed, 0))
 
     def withdraw(self, now: Now, name: RunName, number: int, who: str = "", note: str = "") -> None:
         """Withdraw an entry of a score sheet. The other entries do not change. Raises `Refused`."""
@@ -228,6 +229,13 @@ class ScoreDesk:
         by = By(checked_who(who), checked_note(note))
         run = self.named(name)
         self.report_correction(run, run.take_back(now, by, mark_id))
+
+    def decide(self, now: Now, name: RunName, number: int, accept: bool, reason: str, who: str = "") -> None:
+        """Accept or drop a mark that arrived after the sign-off. Raises `Refused`."""
+        run, by = self.named(name), By(checked_who(who), checked_note(reason))
+        if not isinstance(run, FinishedRun):
+            raise Refused([STILL_CONNECTED(run=run.identity)])
+        self.report_correction(run, run.decide(now, by, number, accept))
 
     def note(self, now: Now, name: RunName, note: Note, who: str = "") -> None:
         """Note a moment of a run, or enter the text of a note. Raises `Refused`. A note with an identity names its run,

@@ -12,8 +12,15 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 from roah_rsbb.model.fields import Confirmed, EventId, Field, Fixed, Number, Robot, Team, Toggle, TypedText
 from roah_rsbb.model.reason import Reason, Said, Template, say
 
-# Roles of paired devices.
-REFEREES, JUDGES = ("referee", "organiser"), ("judge",)
+# Roles of persons, which paired devices have: what each may do is `Action.roles`, and `STOPS` and `READS` below.
+REFEREE, ASSISTANT, JUDGE, TIMEKEEPER, OBSERVER, ORGANISER = ROLES = (
+    "referee", "assistant", "judge", "timekeeper", "observer", "organiser")
+REFEREES, JUDGES = (REFEREE, ORGANISER), (JUDGE,)
+# Who marks and notes, whoever starts; who starts and has the clock.
+MARKERS, KEEPERS = (*REFEREES, ASSISTANT), (*REFEREES, TIMEKEEPER)
+NOTERS = (*MARKERS, TIMEKEEPER)
+# Who may stop a run; who sees the marks of all.
+STOPS, READS = NOTERS, (*NOTERS, OBSERVER)
 
 
 class Row(enum.Enum):
@@ -75,25 +82,26 @@ _ALL = (
            (Toggle("running", say("Also a run in progress"), required=False),),
            careful=True, leaves=True, is_original=True, what=say("Disconnect in {zone}")),
     Action("start", say("▶ START"), say("Start the run, also after a stop"), is_original=True,
-           what=say("Start in {zone}")),
+           what=say("Start in {zone}"), roles=KEEPERS),
     Action("stop", say("■ STOP"), say("Stop the run. It stays connected"),
-           (TypedText("reason", say("Reason for the stop"), required=False, cut=True),), is_original=True),
+           (TypedText("reason", say("Reason for the stop"), required=False, cut=True),), is_original=True,
+           roles=STOPS),
     Action("previous", say("◀ Previous"), say("Go to the zone's previous event"), careful=True, is_original=True,
            what=say("Previous in {zone}")),
     Action("next", say("Next ▶"), say("Go to the zone's next event"), careful=True, is_original=True,
            what=say("Next in {zone}")),
     Action("previous_phase", say("◀ Phase"), say("Go back to the phase before; its time continues"), row=Row.CLOCK,
-           what=say("Previous phase in {zone}")),
+           what=say("Previous phase in {zone}"), roles=KEEPERS),
     Action("next_phase", say("Next phase ▶"), say("Go to the next phase"), row=Row.CLOCK,
-           what=say("Next phase in {zone}")),
+           what=say("Next phase in {zone}"), roles=KEEPERS),
     Action("continue", say("▶ Not stopped: continue"),
            say("After a restart: the run was not stopped. The robot prepares again, and may move"),
            question=say("Was the run of team {team} not stopped? Its robot prepares again, and may move."),
            careful=True, row=Row.CLOCK, what=say("Continue in {zone}")),
     Action("pause", say("‖ Pause"), say("Stop the clock of the run. The robot does not notice"), row=Row.CLOCK,
-           what=say("Pause in {zone}")),
+           what=say("Pause in {zone}"), roles=KEEPERS),
     Action("resume", say("▶ Resume clock"), say("Let the clock of the run continue"), row=Row.CLOCK,
-           what=say("Resume in {zone}")),
+           what=say("Resume in {zone}"), roles=KEEPERS),
     Action("open_sheet", say("Score without a robot"),
            say("Start and stop the clock yourself. Nothing is sent to a robot"),
            (Team("team", _TEAM, required=False), AGAIN), careful=True, aims=True, what=say("Score sheet in {zone}")),
@@ -125,13 +133,15 @@ ACTIONS: Dict[str, Action] = {action.name: action for action in _ALL}
 _VALUE = (TypedText("group", say("Group")), TypedText("desc", say("Item")),
           Number("value", say("Value"), required=False, low=-2**31), TypedText("text", _TEXT, required=False),
           Toggle("not_attempted", say("Not attempted"), required=False))
+# Of what waited for a link to the box: how long ago it was made.
+_AGO = Number("ago_ms", say("Made so long ago"), required=False, unit="ms")
 # A mark is sent again until the box has it; with an `id` it is applied once.
 _MARK = (*_VALUE, TypedText("added", say("What to add"), required=False), Field("judge", _JUDGE, required=False),
          TypedText("note", _NOTE, required=False), Field("id", _ID, required=False),
-         Field("device", _DEVICE, required=False))
+         Field("device", _DEVICE, required=False), _AGO)
 _ENTRIES = (
     Action("mark", say("Mark an item"), say("Set an item of the score sheet, or add to it"),
-           (*_MARK, Field("role", _ROLE, required=False)), durable=True, roles=(*REFEREES, *JUDGES)),
+           (*_MARK, Field("role", _ROLE, required=False)), durable=True, roles=(*MARKERS, *JUDGES)),
     Action("judge_mark", say("Mark an item of a judge"), say("On the judge's own sheet"), _MARK, durable=True,
            roles=JUDGES),
     Action("withdraw", say("Withdraw the entry"), say("The entry of the score sheet no longer counts; others stay"),
@@ -140,12 +150,16 @@ _ENTRIES = (
            say("What an entry marks was seen before the time limit, so it counts; it was entered later"),
            (Number("entry", _NUMBER, low=1), Toggle("late", say("No, it was late"), required=False)), durable=True),
     Action("take_back", say("Take back the mark"), say("A mark that set an item no longer counts"),
-           (Field("id", _ID), TypedText("note", _NOTE, required=False)), durable=True),
+           (Field("id", _ID), TypedText("note", _NOTE, required=False)), durable=True, roles=MARKERS),
     Action("note", say("Note this moment"),
            say("With the clock of the run. Its text can be entered later: name the note by its number or its id"),
            (TypedText("text", _TEXT, required=False), Number("number", _NUMBER, required=False),
             Field("id", say("Id of the note"), required=False), Field("device", _DEVICE, required=False),
-            Field("role", _ROLE, required=False)), durable=True),
+            Field("role", _ROLE, required=False), _AGO), durable=True, roles=NOTERS),
+    Action("decide", say("Decide on a late mark"),
+           say("It was made before the sign-off and arrived after it. If it is accepted, you sign the new sheet"),
+           (Number("number", _NUMBER, low=1), Toggle("accept", say("Accept it"), required=False),
+            TypedText("reason", _REASON, required=False)), durable=True),
     Action("stop_reason", say("Record why it ended"), say("Possible until the run is signed off"),
            (TypedText("reason", _REASON, required=False), Number("stop", _NUMBER, required=False)), durable=True),
     Action("sign_off", say("Sign off"), say("The score sheet of a run that is over becomes final"), durable=True),
@@ -173,6 +187,13 @@ _ENTRIES = (
 )
 ENTRIES: Dict[str, Action] = {action.name: action for action in _ENTRIES}
 EVERY: Dict[str, Action] = {**ACTIONS, **ENTRIES}
+
+
+def allowed(role: str) -> List[str]:
+    """Return the names of all actions that a role may do."""
+    return [name for name, action in EVERY.items() if role in action.roles]
+
+
 # STOP has a way of its own in every face and in the core, with nothing of this table in it.
 STOP = "stop"
 # What referees count and set on a score sheet, and judges on their own.

@@ -112,6 +112,7 @@ class ScoreEntry(NamedTuple):
     in_time_by: str = ""  # ... who said so last, or that it was late; empty: nobody
     void: Said = ""  # why it does not count although nobody withdrew it; empty: it counts
     points: str = ""  # a decimal number: by how much it changed the sheet's total when it was made; empty: by nothing
+    arrived_utc: float = 0.0  # UTC seconds, if it had waited for a link to the box; 0.0: at once
 
 
 class TimelineEntry(NamedTuple):
@@ -122,12 +123,25 @@ class TimelineEntry(NamedTuple):
     utc: float  # UTC seconds
     clock_s: Optional[float] = None  # counted seconds of the run at that time; None: it was not started
     who: str = ""  # empty: the box
-    text: str = ""  # a note's, or the name of the phase or the goal
+    text: Said = ""  # a note's, the name of the phase or the goal, or why the clock is paused
     role: str = ""  # of `who`, such as referee; empty: not known
     device: str = ""  # from which it was sent; empty: not known
     id: str = ""  # a note's identity, with which it is made once; empty: it has none
     changed_utc: float = 0.0  # UTC seconds: when a note's text was entered, if that was later; 0.0: at once
     changed_by: str = ""
+    arrived_utc: float = 0.0  # UTC seconds, if it had waited for a link to the box; 0.0: at once
+
+
+class Proposal(NamedTuple):
+    """A mark that was made before the sign-off and arrived after it. It counts if a referee accepts it."""
+
+    number: int  # 1, 2, … within the run
+    entry: ScoreEntry  # which the mark would make
+    mark_id: str
+    decided_utc: float = 0.0  # UTC seconds; 0.0: not yet
+    decided_by: str = ""
+    accepted: bool = False
+    reason: str = ""  # of the decision
 
 
 class Occurred(enum.Enum):
@@ -321,6 +335,7 @@ class RunRecord(NamedTuple):
     event: str = ""  # id of its event in the schedule; empty in journals before 2026-12
     outages: Tuple[Outage, ...] = ()  # oldest first
     versions: Tuple[SheetVersion, ...] = ()  # earlier ones of its signed sheet, oldest first
+    proposals: Tuple[Proposal, ...] = ()  # in the order in which they arrived
     timeline: Tuple[TimelineEntry, ...] = ()  # oldest first; marks and ends have lists of their own
 
 

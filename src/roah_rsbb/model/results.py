@@ -30,6 +30,7 @@ class RunLine(NamedTuple):
     signed_utc_s: Optional[float] = None
     signed_by: str = ""
     counts: str = ""  # whether it counts, and why or why not: a word of `wording.sheets`
+    proposals: int = 0  # marks that arrived after the sign-off, and on which nobody has decided
 
 
 class HistoryEntry(NamedTuple):
@@ -63,6 +64,18 @@ class HistoryEntry(NamedTuple):
     by: str = ""  # who made it, without role and device
     role: str = ""
     late: bool = False  # it does not count, because it came after the time limit
+    arrived_utc_s: Optional[float] = None  # when it arrived, if it had waited for a link to the box
+
+
+class ProposedMark(NamedTuple):
+    """A mark that was made before the sign-off and arrived after it."""
+
+    number: int  # 1, 2, … within the run
+    entry: HistoryEntry  # which it would make
+    decided_utc_s: Optional[float] = None  # None: not yet
+    decided_by: str = ""
+    accepted: bool = False
+    reason: str = ""
 
 
 class RunEnd(NamedTuple):
@@ -90,6 +103,7 @@ class RunTimeline(NamedTuple):
     closed_utc_s: Optional[float] = None
     signed_utc_s: Optional[float] = None
     signed_by: str = ""
+    proposals: Tuple[ProposedMark, ...] = ()
 
 
 class RunSheet(NamedTuple):
@@ -105,13 +119,14 @@ class RunSheet(NamedTuple):
     points: Optional[SheetPoints] = None  # None: the sheet gives none
     entries: Tuple[TimelineEntry, ...] = ()  # of its timeline, oldest first
     outages: Tuple[Outage, ...] = ()  # oldest first
+    proposals: Tuple[ProposedMark, ...] = ()  # in the order in which they arrived
 
     @property
     def timeline(self) -> RunTimeline:
         """What happened in the run."""
         run = self.run
         return RunTimeline(run.identity, run.opened_utc_s, self.history, self.ends, self.entries, self.outages,
-                           run.closed_utc_s, run.signed_utc_s, run.signed_by)
+                           run.closed_utc_s, run.signed_utc_s, run.signed_by, self.proposals)
 
 
 class UnsavedParts(NamedTuple):

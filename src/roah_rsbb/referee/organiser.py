@@ -4,7 +4,7 @@
 from typing import Any, Dict, List
 
 from roah_rsbb.document.calls import PAIR, PAIRED, REVOKE, TEAM_CODES
-from roah_rsbb.model.actions import UNSIGNED
+from roah_rsbb.model.actions import ORGANISER, ROLES, UNSIGNED
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.referee import view
 from roah_rsbb.referee.at_once import Exit
@@ -18,7 +18,7 @@ from roah_rsbb.wording.times import countdown
 
 # How the terminal confirms what `choose` asks for.
 GIVE_UNSIGNED = "Give --unsigned to leave it, or sign it off first ('sign-off')"
-ORGANISER = "organiser"
+
 
 COMMANDS = Commands()
 
@@ -118,9 +118,10 @@ def _reload_lines(answer: Dict[str, Any]) -> List[str]:
 
 @COMMANDS.add(
     "pair", "show a code that pairs a phone or tablet: it can then act as a referee",
-    ["'Home A'", "'Home A' --role judge", "--role organiser"], zone("where it may act; ", "?"),
-    argument("--role", choices=("referee", "judge", ORGANISER), default="referee",
-             help="referee (default): everything in the zone; judge: ratings only; organiser: all zones"),
+    ["'Home A'", "'Home A' --role assistant", "--role organiser"], zone("where it may act; ", "?"),
+    argument("--role", choices=ROLES, default="referee",
+             help="referee (default): everything in the zone; assistant: marks, notes, STOP; judge: ratings only; "
+                  "timekeeper: start, clock, notes, STOP; observer: only reads; organiser: all zones"),
 )
 def _pair(call: Call) -> Exit:
     """Print a code for one device."""
@@ -128,7 +129,7 @@ def _pair(call: Call) -> Exit:
 
     role, output = call.options.role, call.output
     if (role == ORGANISER) != (call.options.zone is None):
-        raise BadWord("give the zone of a referee or judge; an organiser has none, because all zones are theirs")
+        raise BadWord("give the zone where the device may act; an organiser has none, because all zones are theirs")
     name = call.one_zone or ""
     answer = call.link.request(PAIR, role=role, zone=name)
     url, code, valid_s = answer["url"], answer["code"], answer["valid"]

@@ -21,6 +21,7 @@ from roah_rsbb.model.records import (
     JudgeAct,
     JudgeSheet,
     Objection,
+    Proposal,
     Published,
     Rating,
     RunRecord,
@@ -128,6 +129,7 @@ HIDDEN: Dict[type, Dict[str, Callable[[Names, Any], Any]]] = {
     TimelineEntry: {
         "who": Names.person, "changed_by": Names.person, "text": Names.text,
         "device": lambda names, device: names.of("device", device)},
+    Proposal: {"decided_by": Names.person, "reason": Names.text},
     StopRecord: {"who": Names.person, "reason": Names.text, "reason_by": Names.person, "desc": Names.text},
     SignOff: {"who": Names.person},
     SheetVersion: {"why": Names.text},

@@ -20,6 +20,7 @@ from roah_rsbb.model.records import (
     JudgingRecord,
     Occurred,
     Outage,
+    Proposal,
     PublicationRecord,
     RunRecord,
     ScoreEntry,
@@ -47,7 +48,15 @@ MAX_KEPT = 400
 
 # Notes of a run, and other entries of its timeline.
 MAX_NOTES, MAX_HAPPENED = 100, 200
+# Marks that arrived after the sign-off.
+MAX_PROPOSALS = 100
 NOTE = Occurred.NOTE.name.lower()
+# What waited for so long (ms) had no link to the box: its own moment counts. Two messages of a device take times to
+# arrive that differ by less than this (s).
+WAITED_MS, UNSURE_S = 1000, 2.0
+# Entries of the timeline from which on the run's clock counts, and those from which on it does not.
+_PAUSES = (Occurred.PAUSE.name.lower(),)
+_CLOCK = (*_PAUSES, *(each.name.lower() for each in (Occurred.START, Occurred.CONTINUE, Occurred.RESUME)))
 
 _NOT_RUN = tuple(reason.name.lower() for reason in NOT_RUN)
 _NO_JUDGING, _NO_PUBLICATION = JudgingRecord(), PublicationRecord()
@@ -66,6 +75,7 @@ class BookState:
     publication: PublicationState = field(default_factory=PublicationState)
     outages: List[Outage] = field(default_factory=list)
     timeline: List[TimelineEntry] = field(default_factory=list)
+    proposals: List[Proposal] = field(default_factory=list)
 
 
 class Note(NamedTuple):
@@ -76,6 +86,15 @@ class Note(NamedTuple):
     id: str = ""  # identity of the note; empty: it has none
     role: str = ""  # of who notes it
     device: str = ""  # from which it was sent
+    ago_ms: int = 0  # it was made so long before it arrived
+
+
+class MadeAt(NamedTuple):
+    """When a mark or a note was made."""
+
+    now: Now
+    clock_s: Optional[float]  # counted seconds of the run; None: it was not started
+    arrived_utc: float = 0.0  # UTC seconds, if it had waited; 0.0: it had not
 
 
 class Marked(NamedTuple):
@@ -144,17 +163,48 @@ class RunBook:
         if sum(entry.kind != NOTE for entry in found) > MAX_HAPPENED:
             del found[next(place for place, entry in enumerate(found) if entry.kind != NOTE)]
 
-    def note(self, now: Now, who: str, note: Note, clock_s: Optional[float] = None) -> str:
-        """Note a moment, or enter the text of a note that was made before. `clock_s`: as in `mark`. Returns a text for
-        the referee; empty: nothing changed. Raises `Refused`."""
+    def made(self, now: Now, ago_ms: int, device: str, opened_utc: float, clock_s: Optional[float]) -> MadeAt:
+        """Return when something was made that arrives now, `ago_ms` later. `clock_s`: counted seconds of the run in
+        progress; None: it is not.
+
+        A moment that cannot be true, before the run or before what its device made earlier, is not believed.
+        """
+        counted_s = self._clock_s(now) if clock_s is None else clock_s
+        utc = now.utc - ago_ms / 1000
+        earlier = [(each.utc, each.device) for each in self.sheet.history]
+        earlier += [(each.utc, each.device) for each in self.state.timeline]
+        since = max([opened_utc, *(utc for utc, of in earlier if device and of == device)])
+        if ago_ms < WAITED_MS or utc < since - UNSURE_S:
+            return MadeAt(now, counted_s)
+        utc = max(utc, since)
+        return MadeAt(now._replace(utc=utc), self._counted_at(utc, counted_s), now.utc)
+
+    def _counted_at(self, utc: float, now_s: float) -> float:
+        """Return the counted seconds of the run at an earlier moment; `now_s`: those of now."""
+        known = sorted([
+            *((each.utc, each.clock_s or 0.0, each.kind not in _PAUSES) for each in self.state.timeline
+              if each.kind in _CLOCK), *((stop.utc, stop.clock_s or 0.0, False) for stop in self.state.stops)])
+        before = [each for each in known if each[0] <= utc]
+        if not before:
+            return 0.0 if known else now_s
+        since, seconds, is_counting = before[-1]
+        if self.state.elapsed_s and since == self.state.stops[-1].utc:
+            return min(now_s, self._clock_s(Now(0.0, utc)))  # which may be late
+        seconds += utc - since if is_counting else 0.0
+        return min([now_s, seconds, *(each[1] for each in known if each[0] > utc)])
+
+    def note(self, now: Now, who: str, note: Note, clock_s: Optional[float] = None, opened_utc: float = 0.0) -> str:
+        """Note a moment, or enter the text of a note that was made before. See `mark`. Returns a text for the referee;
+        empty: nothing changed. Raises `Refused`."""
         place = self._place_of(note)
         if place is None:
             if sum(entry.kind == NOTE for entry in self.state.timeline) >= MAX_NOTES:
                 raise Refused([say("the run has {most} notes, which is the most")(most=MAX_NOTES)])
-            if clock_s is None and self.state.started_utc:
-                clock_s = self._clock_s(now)
+            made = self.made(now, note.ago_ms, note.device, opened_utc, clock_s)
+            counted_s = _rounded(made.clock_s) if self.state.started_utc else None
             self.state.timeline.append(TimelineEntry(
-                self._next_number(), NOTE, now.utc, _rounded(clock_s), who, note.text, note.role, note.device, note.id))
+                self._next_number(), NOTE, made.now.utc, counted_s, who, note.text, note.role, note.device, note.id,
+                arrived_utc=made.arrived_utc))
             return f"Note: {note.text}" if note.text else "Noted this moment"
         before = self.state.timeline[place]
         # The note itself may arrive again after its text.
@@ -183,17 +233,61 @@ class RunBook:
     # -- scores -------------------------------------------------------------------------------------
 
     def mark(
-        self, now: Now, who: str, mark: Mark, clock_s: Optional[float] = None, end_reason: str = "",
+        self, now: Now, who: str, mark: Mark, clock_s: Optional[float] = None, opened_utc: float = 0.0,
+        end_reason: str = "", closed_utc: float = 0.0,
     ) -> Marked:
-        """See `ScoreSheet.set`. `clock_s`: counted seconds of the run in progress; None: it is not. `end_reason`: name
-        of an `EndReason`; empty: the run has not ended."""
+        """See `ScoreSheet.set`. `clock_s`: counted seconds of the run in progress; None: it is not. `opened_utc`: of
+        *connect*. `end_reason`: name of an `EndReason`; empty: the run has not ended. `closed_utc`: of *disconnect*,
+        from which on marks are corrections."""
         if self.sheet.is_applied(mark):
             return Marked(None, "")
         self._check_not_judged()
-        points = self._total(end_reason)
-        before = self.sheet.set(now, who, mark, self._over, self._clock_s(now) if clock_s is None else clock_s)
+        points, made = self._total(end_reason), self.made(now, mark.ago_ms, mark.device, opened_utc, clock_s)
+        before = self.sheet.set(
+            made.now, who, mark, self._over and made.now.utc >= closed_utc, made.clock_s, made.arrived_utc)
         self.sheet.give(self._total(end_reason) - points)
         return self._marked(before, self.sheet.item(mark.group, mark.desc), mark.note)
+
+    def propose(self, now: Now, who: str, mark: Mark, opened_utc: float) -> Marked:
+        """Keep a mark that was made before the sign-off and arrives after it. Raises `Refused`."""
+        self._check_not_judged()
+        checked, made = self.sheet.check(mark), self.made(now, mark.ago_ms, mark.device, opened_utc, None)
+        if len(self.state.proposals) >= MAX_PROPOSALS:
+            raise Refused([say("{most} marks that came after the sign-off are proposed, which is the most")(
+                most=MAX_PROPOSALS)])
+        before = self.sheet.item(mark.group, mark.desc)
+        entry = ScoreEntry(
+            0, made.now.utc, who, mark.group, mark.desc, before.value, checked.value, checked.not_attempted,
+            checked.note, before.not_attempted, old_text=before.text, text=checked.text, judge=checked.judge,
+            added=checked.added, role=checked.role, device=checked.device, clock_s=_rounded(made.clock_s),
+            arrived_utc=now.utc)
+        self.state.proposals.append(Proposal(len(self.state.proposals) + 1, entry, mark.id))
+        return Marked(before, f"Proposed after the sign-off: {mark.group}: {mark.desc}")
+
+    def is_proposed(self, mark_id: str) -> bool:
+        """Whether a mark arrived after the sign-off."""
+        return any(each.mark_id == mark_id for each in self.state.proposals)
+
+    def decide(self, now: Now, by: By, number: int, accept: bool, end_reason: str) -> str:
+        """Accept or drop a mark that arrived after the sign-off. Returns a text for the referee. Raises `Refused`."""
+        if not 1 <= number <= len(self.state.proposals):
+            raise Refused([say("the run has no proposed mark {number}")(number=number)])
+        found = self.state.proposals[number - 1]
+        if found.decided_utc:
+            raise Refused([say("{who} has decided on the proposed mark {number} already")(
+                who=sheets.person(found.decided_by) or "somebody", number=number)])
+        entry, text = found.entry, "dropped"
+        if accept:
+            mark = Mark(**{name: getattr(entry, name) for name in Mark._fields if name in entry._fields},
+                        id=found.mark_id)
+            points = self._total(end_reason)
+            self.sheet.set(now._replace(utc=entry.utc), entry.who, mark._replace(value=0 if mark.added else mark.value),
+                           True, entry.clock_s, entry.arrived_utc)
+            self.sheet.give(self._total(end_reason) - points)
+            text = "accepted"
+        self.state.proposals[number - 1] = found._replace(
+            decided_utc=now.utc, decided_by=by.who, accepted=accept, reason=by.reason)
+        return f"Proposed mark {number} {text}: {entry.group}: {entry.desc}" + (f" ({by.reason})" if by.reason else "")
 
     def _total(self, end_reason: str) -> Decimal:
         points = self.counted(end_reason).points
@@ -277,6 +371,7 @@ class RunBook:
             stops=tuple(self.state.stops), started_utc=self.state.started_utc, elapsed_s=self.state.elapsed_s,
             marks=self.sheet.marks, judging=self.judges.record(), publication=self.publication.record(),
             outages=tuple(self.state.outages), timeline=tuple(self.state.timeline),
+            proposals=tuple(self.state.proposals),
         )
 
 
@@ -344,17 +439,39 @@ class FinishedRun:
 
         The text is empty if the mark was applied before. This is no error, also after the sign-off.
         """
-        if self._book.sheet.is_applied(mark):
+        record, book = self.record, self._book
+        if book.sheet.is_applied(mark) or (mark.id and book.is_proposed(mark.id)):
             return ""
+        if mark.id and self._was_before_sign_off(now, mark.ago_ms):
+            return self._changed(book.propose(now, who, mark, record.opened_utc).text)
         self._check_open()
-        return self._changed(self._book.mark(now, who, mark, end_reason=self.record.end_reason).text)
+        return self._changed(self._book.mark(
+            now, who, mark, None, record.opened_utc, record.end_reason, record.closed_utc).text)
+
+    def _was_before_sign_off(self, now: Now, ago_ms: int) -> bool:
+        """Whether what arrives now, after the sign-off, was made before it."""
+        signed = self.record.sign_off
+        return signed is not None and now.utc - ago_ms / 1000 < signed.utc
+
+    def decide(self, now: Now, by: By, number: int, accept: bool) -> str:
+        """Accept or drop a mark that arrived after the sign-off. One that is accepted makes a new version of the sheet,
+        which is signed by who accepts it. Raises `Refused`."""
+        before = self.record
+        _check_named(by.who)
+        text = self._changed(self._book.decide(now, by, number, accept, before.end_reason))
+        if accept and before.sign_off is not None:
+            version = SheetVersion(now.utc, text, before.sign_off, before.items, before.points, before.form)
+            self.record = self.record._replace(
+                sign_off=SignOff(now.utc, by.who), versions=(*before.versions, version))
+        return text
 
     def note(self, now: Now, who: str, note: Note) -> str:
         """See `RunBook.note`. Raises `Refused`."""
         if self._book.is_noted(note):
             return ""
-        self._check_open()
-        return self._changed(self._book.note(now, who, note))
+        if note.number or not self._was_before_sign_off(now, note.ago_ms):
+            self._check_open()
+        return self._changed(self._book.note(now, who, note, None, self.record.opened_utc))
 
     @property
     def sheet(self) -> ScoreSheet:
@@ -399,8 +516,7 @@ class FinishedRun:
         """Make the score sheet final. Raises `Refused` if it already is, if `who` names nobody, or if sheets of judges
         or answers to objections are missing."""
         self._check_open()
-        if sheets.person(who) in ("", sheets.NO_NAME):
-            raise Refused([say("a sign-off needs the name of the referee: enter it, in the terminal with --by")])
+        _check_named(who)
         reasons = self._book.judges.not_ready() + self._book.publication.not_ready(now)
         if reasons:
             raise Refused(reasons)
@@ -420,6 +536,11 @@ class FinishedRun:
     def _changed(self, text: str) -> str:
         self.record = self._book.into(self.record)
         return text
+
+
+def _check_named(who: str) -> None:
+    if sheets.person(who) in ("", sheets.NO_NAME):
+        raise Refused([say("a sign-off needs the name of the referee: enter it, in the terminal with --by")])
 
 
 def is_scored_alike(one: SheetForm, other: SheetForm) -> bool:
@@ -473,7 +594,7 @@ def _state_of(record: RunRecord) -> BookState:
     return BookState(
         SheetState(list(record.history), record.marks), list(record.stops), record.started_utc, record.elapsed_s,
         JudgesState.of(record.judging), PublicationState.of(record.publication), list(record.outages),
-        list(record.timeline))
+        list(record.timeline), list(record.proposals))
 
 
 def left_behind(record: RunRecord, utc: float) -> RunRecord:
@@ -521,7 +642,8 @@ class FinishedRuns:
         """Return the part of a record that decides what counts. The journal has the whole record."""
         return record._replace(
             items=self._items.setdefault(record.items, record.items), history=(), stops=(), phases=(), form=None,
-            marks="", judging=_NO_JUDGING, publication=_NO_PUBLICATION, timeline=())
+            marks="", judging=_NO_JUDGING, publication=_NO_PUBLICATION, timeline=(),
+            proposals=())
 
     def restore(self, records: Iterable[RunRecord]) -> None:
         """Take records from before a restart, in any order. Only those of runs that were left are kept."""

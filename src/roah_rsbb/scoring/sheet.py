@@ -90,6 +90,7 @@ class Mark(NamedTuple):
     id: str = ""  # identity of the mark; empty: it has none, so it is applied each time it arrives
     role: str = ""  # of the person who marks
     device: str = ""  # from which the mark was sent
+    ago_ms: int = 0  # it was made so long before it arrived
 
 
 class _Standing(NamedTuple):
@@ -196,12 +197,14 @@ class ScoreSheet:
         return mark._replace(text=text, value=whole_part(text))
 
     def set(
-        self, now: Now, who: str, mark: Mark, correction: bool = False, clock_s: Optional[float] = None
+        self, now: Now, who: str, mark: Mark, correction: bool = False, clock_s: Optional[float] = None,
+        arrived_utc: float = 0.0,
     ) -> ItemRecord:
         """Set an item, or mark it as not attempted. Returns the item before the change. Raises as `check` does.
 
         A value removes the mark. A call without a change and without a note makes no entry. A mark that was applied
-        changes nothing. `correction`: the run is over; `clock_s`: its counted seconds.
+        changes nothing. `correction`: the run is over; `clock_s`: its counted seconds. `arrived_utc`: it was made at
+        `now`, and has waited until then; 0.0: it has not.
         """
         self._touched = None
         if self.is_applied(mark):
@@ -209,7 +212,7 @@ class ScoreSheet:
         mark = self.check(mark)
         key = (mark.group, mark.desc)
         record, before = self._item(key), self._standing_of(key, mark.judge)
-        if not mark.note and (mark.value, mark.text, mark.not_attempted) == before:
+        if not (mark.note or arrived_utc) and (mark.value, mark.text, mark.not_attempted) == before:
             self._take(mark.id, 0)
             return record
         if mark.note:
@@ -218,20 +221,28 @@ class ScoreSheet:
             self._last_number + 1, now.utc, who, mark.group, mark.desc, before.value, mark.value,
             mark.not_attempted, mark.note, before.not_attempted, correction,
             old_text=before.text, text=mark.text, judge=mark.judge, added=mark.added, role=mark.role,
-            device=mark.device, clock_s=None if clock_s is None else round(clock_s, 3),
+            device=mark.device, clock_s=None if clock_s is None else round(clock_s, 3), arrived_utc=arrived_utc,
         )
-        same = None if mark.id and not mark.added else self._same_moment(now, entry)
+        same = None if arrived_utc or (mark.id and not mark.added) else self._same_moment(now, entry)
         if same is None:
             self._make_room()
-            self._history.append(entry)
+            self._history.insert(self._place_of(entry), entry)
             self._last_number = entry.number
-            self._begun[entry.number] = now.mono
+            if not arrived_utc:
+                self._begun[entry.number] = now.mono
             self._touched = entry.number
         else:
             self._touched = self._replace(same, entry) or None
         self._take(mark.id, self._touched or 0)
         self._stand()
         return record
+
+    def _place_of(self, entry: ScoreEntry) -> int:
+        """Return where an entry belongs in the history: one that waited, before those that were made later."""
+        place = len(self._history)
+        while entry.arrived_utc and place and self._history[place - 1].utc > entry.utc:
+            place -= 1
+        return place
 
     def give(self, points: Decimal) -> None:
         """Note by how many points the last `set` changed the total."""

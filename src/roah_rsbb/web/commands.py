@@ -8,14 +8,14 @@ from typing import Any, Dict, NamedTuple, Protocol, Tuple
 from roah_rsbb.client.client import Answer
 from roah_rsbb.document.calls import DEVICES, SET_DEVICE
 from roah_rsbb.model import fields as model_fields
-from roah_rsbb.model.actions import EVERY, JUDGES, MARK, STOP, Action
+from roah_rsbb.model.actions import EVERY, JUDGE, JUDGES, MARK, ORGANISER, READS, STOP, Action
 from roah_rsbb.model.as_json import from_json
 from roah_rsbb.model.messages import DevicesSeen
 from roah_rsbb.model.results import JudgedRun, RunSheet
 from roah_rsbb.web.device_documents import devices_page, own_sheet, side_by_side, whole_sheet_page
 from roah_rsbb.web.numbered import BoxShown
 from roah_rsbb.web.own_pages import FromOwnPage
-from roah_rsbb.web.pairing import JUDGE, ORGANISER, DeviceSession
+from roah_rsbb.web.pairing import DeviceSession
 from roah_rsbb.wording import device
 from roah_rsbb.wording.device import role_text
 from roah_rsbb.wording.language import tr, tr_said
@@ -110,9 +110,9 @@ def may(command: Command) -> bool:
         # no rating: it would count for the whole item.
         given = command.fields["given"]
         return given.get("judge") == command.session.person and not (given.get("not_attempted") or given.get("added"))
-    if command.name != STOP and command.name in EVERY:
+    if command.name in EVERY:
         return grant.role in EVERY[command.name].roles
-    return grant.role != JUDGE or command.name == JUDGING
+    return grant.role in READS or command.name == JUDGING
 
 
 def _ago_ms(body: Dict[str, Any]) -> int:

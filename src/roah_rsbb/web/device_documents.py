@@ -21,6 +21,7 @@ from typing import (
 )
 
 from roah_rsbb.document.calls import RING
+from roah_rsbb.model.actions import READS, REFEREE
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.messages import DevicesSeen
@@ -30,7 +31,7 @@ from roah_rsbb.model.scoring import INCIDENTS
 from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, RUNNING, Count, Event, RunClock, SheetItem, ZoneSeen
 from roah_rsbb.protocol import wire_seconds
 from roah_rsbb.web.numbered import Key, Numbered, NumberedDocument
-from roah_rsbb.web.pairing import JUDGE, REFEREE, DeviceSession, Grant
+from roah_rsbb.web.pairing import DeviceSession, Grant
 from roah_rsbb.web.public_documents import FIXED_TEXTS, Data, Store
 from roah_rsbb.wording import judging, public, schedule, sheets, stop, times, todo, whole_box
 from roah_rsbb.wording.language import number, tr, tr_said
@@ -45,8 +46,16 @@ MAX_UNSIGNED = 50
 MAX_TIMELINE = 100
 
 
-def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
-    """Return everything about a zone but its running times. `utc_s`: the box's clock, see `moment`."""
+class Absent(NamedTuple):
+    """A paired device that may mark, and is not connected: marks may be waiting on it."""
+
+    name: str  # who has it, and the role
+    seen_utc: float  # UTC seconds
+
+
+def zone_page(zone: ZoneSeen, document: Document, utc_s: float, absent: Sequence[Absent] = ()) -> Data:
+    """Return everything about a zone but its running times. `utc_s`: the box's clock, see `moment`; `absent`: devices
+    that may mark in this zone."""
     event, actions, moments, task = zone.event, zone.actions, Moments(False), todo.todo(zone)
     runs = [run for run in document.runs() if run.zone == zone.zone]
     waiting = [run for run in runs if run.closed_utc_s is not None and run.signed_utc_s is None]
@@ -87,7 +96,9 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float) -> Data:
         "items": [item_page(item) for item in zone.items],
         "incidents": sheets.incidents_text(zone.items),
         **_sums(zone.points),
-        "unsigned": [{**_unsigned_run(run, moments, utc_s), "is_here": _is_of(run, event)} for run in unsigned],
+        "unsigned": [{**_unsigned_run(run, moments, utc_s, absent), "is_here": _is_of(run, event)} for run in unsigned],
+        "proposed": [{"identity": run.identity, "title": run_name(run), "number": run.proposals}
+                     for run in runs if run.proposals],
         "unlisted": len(waiting) - len(unsigned),
         # First that of the run in the zone, so that no judge takes another one for it.
         "judging": [_judging(judgings[run.identity], run, moments, utc_s)
@@ -185,10 +196,12 @@ def item_page(item: SheetItem) -> Data:
     }
 
 
-def _unsigned_run(run: RunLine, moments: Moments, utc_s: float) -> Data:
+def _unsigned_run(run: RunLine, moments: Moments, utc_s: float, absent: Sequence[Absent]) -> Data:
     return {"identity": run.identity, "revision": run.revision, "title": _timed_name(run, moments, utc_s),
             "end": with_counting(sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason), run.counts),
-            "score": tr_said(run.score)}
+            "score": tr_said(run.score),
+            # Before the sign-off: on these devices, marks of the run may wait.
+            "unheard": [one.name for one in absent if one.seen_utc >= run.opened_utc_s]}
 
 
 def run_name(run: RunLine) -> str:
@@ -275,7 +288,7 @@ class _Part(NamedTuple):
 
 def may_show(part: str, grant: Grant) -> bool:
     """Whether there is such a part for this device. A judge sees no values of others, and a referee has one zone."""
-    return part in PARTS and grant.role != JUDGE and (part != OVERVIEW or not grant.zone)
+    return part in PARTS and grant.role in READS and (part != OVERVIEW or not grant.zone)
 
 
 # -- all zones --------------------------------------------------------------------------------------
@@ -435,6 +448,7 @@ def whole_sheet_page(sheet: RunSheet) -> Data:
             {"number": entry.number, "is_withdrawn": entry.withdrawn_utc_s is not None,
              "text": sheets.entry_line(sheets.entry_texts(entry, _MOMENTS.time_of_day))}
             for entry in reversed(sheet.history[-MAX_HISTORY:])],
+        "proposals": [each.number for each in sheet.proposals if each.decided_utc_s is None],
         "timeline": [page_item(item) for item in timeline(sheet.timeline, _MOMENTS.time_of_day)],
         "ends": [
             {"number": end.number, "reason": sheets.stop_reason(end.reason, end.reason_by, end.who),
@@ -538,10 +552,14 @@ NO_STOP: Key = (STOP,)  # of devices that may stop nothing
 class Desk(Numbered):
     """The documents for devices. The fixed texts of pages are those of the store."""
 
-    def __init__(self, store: Store, people: Callable[[], Sequence[DeviceSession]] = tuple) -> None:
-        """`people`: with devices that are connected."""
+    def __init__(
+        self, store: Store, people: Callable[[], Sequence[DeviceSession]] = tuple,
+        absent: Callable[[str], Sequence[Absent]] = lambda zone: (),
+    ) -> None:
+        """`people`: with devices that are connected; `absent` returns the devices that may mark in a zone and are not
+        connected now."""
         super().__init__(store.box, store.session)
-        self._store, self._people = store, people
+        self._store, self._people, self._absent = store, people, absent
         self._shown: Set[Key] = set()  # see `show`
         self._links = LinkQuality()
         self._put(NO_STOP, stop_page([], False))
@@ -599,10 +617,11 @@ class Desk(Numbered):
             self._renew((TIMELINE, language, name), None, lambda: None)
             return
         is_counting = counts(zone.clock) and not self.box.is_old
+        absent = tuple(self._absent(name))
         self._renew(
             (ZONE, language, name), (zone, document.box.warnings, document.results, document.judging,
-                                     moment(document, now.utc)),
-            lambda: zone_page(zone, document, now.utc))
+                                     moment(document, now.utc), absent),
+            lambda: zone_page(zone, document, now.utc, absent))
         self._renew((CLOCK, language, name), (zone.clock, zone.phase, now.mono if is_counting else None),
                     lambda: clock_page(zone, now.mono))
         happened = document.timelines.get(name)

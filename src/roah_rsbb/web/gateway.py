@@ -15,13 +15,14 @@ from roah_rsbb.comm import sockets
 from roah_rsbb.document.calls import PAIR, PAIRED, REVOKE, TEAM_CODES, Call, Caller, InThread
 from roah_rsbb.ground.kept_file import open_kept
 from roah_rsbb.ground.params import BadParams, Params
+from roah_rsbb.model.actions import ORGANISER, ROLES
 from roah_rsbb.model.fields import is_encodable
 from roah_rsbb.model.reason import Refused, Template
 from roah_rsbb.web.commands import BoxCommanded, PageCalls
 from roah_rsbb.web.displays import FILE as DISPLAYS_FILE
 from roah_rsbb.web.displays import Displays, read_logos
 from roah_rsbb.web.limits import own_names
-from roah_rsbb.web.pairing import CODE_VALID_S, ORGANISER, ROLES, Grant, Sessions
+from roah_rsbb.web.pairing import CODE_VALID_S, Grant, Sessions
 from roah_rsbb.web.pairing import FILE as SESSIONS_FILE
 from roah_rsbb.web.public_documents import Store
 from roah_rsbb.web.server import WebServer

@@ -13,8 +13,9 @@ from urllib.parse import urlsplit
 from tornado import web
 
 from roah_rsbb.document.calls import PAIR, PAIRED, REVOKE, Caller, InThread
+from roah_rsbb.model.actions import ORGANISER
 from roah_rsbb.model.reason import Refused
-from roah_rsbb.web.pairing import ORGANISER, SESSION_VALID_S, DeviceSession, NotPaired, TooManyGuesses, modules_of
+from roah_rsbb.web.pairing import SESSION_VALID_S, DeviceSession, NotPaired, TooManyGuesses, modules_of
 from roah_rsbb.web.serving import TOO_MANY_REQUESTS, Guarded
 from roah_rsbb.wording import device
 from roah_rsbb.wording.device import encryption_text, role_text

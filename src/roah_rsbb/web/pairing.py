@@ -10,11 +10,10 @@ import secrets
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.ground.kept_file import Save, SavedBeside
+from roah_rsbb.model.actions import ROLES
 from roah_rsbb.web.limits import Rates
 from roah_rsbb.wording import device, sheets
 from roah_rsbb.wording.language import tr
-
-REFEREE, JUDGE, ORGANISER = ROLES = ("referee", "judge", "organiser")
 
 CODE_VALID_S = 120.0
 # Letters and digits that cannot be mistaken for each other. A code has 39 bits, the link that begins with it 118.

@@ -9,13 +9,13 @@ from typing import Any, Dict, List, Optional, Set
 
 from tornado import web
 
+from roah_rsbb.model.actions import STOPS
 from roah_rsbb.web.commands import STOP as STOP_COMMAND
 from roah_rsbb.web.commands import carried_out
 from roah_rsbb.web.device_documents import NO_STOP, STOP, may_show
 from roah_rsbb.web.displays import display_of
 from roah_rsbb.web.numbered import Key, Made, Viewer
 from roah_rsbb.web.own_pages import OfDevice, is_own_origin
-from roah_rsbb.web.pairing import JUDGE
 from roah_rsbb.web.public_documents import DATA, DISPLAY, TEXTS
 from roah_rsbb.web.serving import BoundedSocket, Guarded, frame
 
@@ -193,6 +193,6 @@ class StopEventsHandler(DeviceEventsHandler):
     def open(self, *_args: str, **_kwargs: str) -> None:
         """Send the snapshot."""
         grant = self.needed_session().grant
-        key = NO_STOP if grant.role == JUDGE else (STOP, grant.zone)
+        key = (STOP, grant.zone) if grant.role in STOPS else NO_STOP
         self.start(Viewer(self._server.desk, [key]))
         self._server.devices_changed()

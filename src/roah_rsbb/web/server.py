@@ -18,8 +18,9 @@ from typing import Any, Awaitable, Callable, Dict, FrozenSet, Iterable, List, Ma
 from tornado import web
 
 from roah_rsbb.document.calls import Call
+from roah_rsbb.model.actions import EVERY, MARK
 from roah_rsbb.web.commands import Command, CommandHandler, Outcome
-from roah_rsbb.web.device_documents import Desk
+from roah_rsbb.web.device_documents import Absent, Desk
 from roah_rsbb.web.displays import PAGES as DISPLAYS
 from roah_rsbb.web.displays import Display, Displays, DisplaysHandler, LogoHandler, Setting
 from roah_rsbb.web.limits import Places, Rates
@@ -40,6 +41,7 @@ from roah_rsbb.web.serving import (
 )
 from roah_rsbb.web.teams import CODE, CodesHandler, TeamCodes, TeamHandler
 from roah_rsbb.wording.device import TOO_MANY_TEAM_GUESSES
+from roah_rsbb.wording.sheets import role_word
 
 # They have STOP, and one script. Others have STOP on a paired device, which may come to them in a run.
 PAGES_WITH_STOP = ("referee", "box")
@@ -104,7 +106,7 @@ class WebServer:
         self.rates = Rates()
         self.codes = Codes()
         self.sessions = sessions or Sessions(lambda records: None)
-        self.desk = Desk(store, self.people)
+        self.desk = Desk(store, self.people, self._absent)
         self.team_codes = team_codes or TeamCodes(lambda secret: None, {})
         self.team_pages = team_pages
         self.team_guesses = Guesses(TOO_MANY_TEAM_GUESSES)
@@ -248,6 +250,13 @@ class WebServer:
     def connected(self) -> Set[str]:
         """Return the ids of the sessions whose devices are connected."""
         return {device.session_id for device in self.devices}
+
+    def _absent(self, zone: str) -> List[Absent]:
+        """Return the devices that may mark in a zone and are not connected."""
+        connected = self.connected()
+        return [Absent(f"{one.person}, {role_word(one.grant.role)}", one.seen_utc)
+                for one in self.sessions.listed(self.utc())
+                if one.id not in connected and one.grant.allows(zone) and one.grant.role in EVERY[MARK].roles]
 
     def keep(self, stream: Any) -> None:
         """Note that a connection became a reader, because readers have their own limit."""

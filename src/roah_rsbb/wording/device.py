@@ -2,7 +2,7 @@
 
 from typing import Any, Dict
 
-from roah_rsbb.model.actions import ACTIONS, ENTRIES, Action
+from roah_rsbb.model.actions import ACTIONS, ENTRIES, ROLES, Action, allowed
 from roah_rsbb.model.reason import say
 from roah_rsbb.wording import judging, schedule, sheets, stop, whole_box
 from roah_rsbb.wording.language import tr, tr_later, tr_words
@@ -187,6 +187,7 @@ def page_words() -> Dict[str, Any]:
         "robot_columns": [tr(column) for column in whole_box.ROBOT_COLUMNS],
         "robot_explanations": list(whole_box.column_explanations().values()),
         "key_list": [[tr(key), tr(text)] for key, text in KEYS],
+        "may": {role: allowed(role) for role in ROLES},
         "actions": {name: action_words(action) for name, action in ACTIONS.items()},
         "stop_way": {way.value: tr(text) for way, text in stop.TEXTS.items()},
         "objection_times": list(map(list, judging.objection_times())),

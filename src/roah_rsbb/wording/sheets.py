@@ -15,7 +15,7 @@ from roah_rsbb.model.results import HistoryEntry
 from roah_rsbb.model.scoring import INCIDENTS
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.wording.language import number, tr, tr_later, tr_said
-from roah_rsbb.wording.times import NOTHING
+from roah_rsbb.wording.times import NOTHING, clock_time
 
 NOT_ATTEMPTED = tr_later("not attempted")
 CORRECTED = tr_later("corrected")
@@ -59,6 +59,8 @@ _LEFT_OUT = say("{text}. The robot was done meanwhile, so {left_out} s are not c
                 "{left_out} s longer. Check it")
 
 When = Callable[[float], str]
+# From here on, a delay (s) is said in minutes.
+MANY_SECONDS = 100
 
 
 # -- runs -------------------------------------------------------------------------------------------
@@ -121,7 +123,10 @@ def stop_reason(reason: str, reason_by: str, stopped_by: str) -> str:
 # -- people -----------------------------------------------------------------------------------------
 
 NO_NAME = tr_later("no name")
-ROLES = {"referee": tr_later("Referee"), "judge": tr_later("Judge"), "organiser": tr_later("Organiser")}
+ROLES = {
+    "referee": tr_later("Referee"), "assistant": tr_later("Assistant"), "judge": tr_later("Judge"),
+    "timekeeper": tr_later("Timekeeper"), "observer": tr_later("Observer"), "organiser": tr_later("Organiser"),
+}
 # The core writes the name that was typed, if any, and the node that called (docs/ros_interface.md).
 _WITH_NODE = re.compile(r"(.*) \((/[^\s()]*)\)")
 
@@ -350,7 +355,8 @@ def history_entry(entry: ScoreEntry, kind: str, unit: str) -> HistoryEntry:
         entry.old, entry.old_not_attempted, entry.value, entry.not_attempted, entry.note, entry.correction,
         entry.withdrawn_utc or None, entry.withdrawn_by, entry.withdrawn_note, entry.withdrawal_corrects,
         entry.old_text, entry.text, entry.judge, entry.clock_s, entry.in_time, entry.in_time_by,
-        entry.void, unit, entry.points, entry.who, entry.role)
+        entry.void, unit, entry.points, entry.who, entry.role,
+        arrived_utc_s=entry.arrived_utc or None)
 
 
 class EntryTexts(NamedTuple):
@@ -384,7 +390,18 @@ def _counting(entry: HistoryEntry) -> str:
     said = "" if not by else tr("in time, says {name}", name=by) if entry.in_time else tr("late, says {name}", name=by)
     if entry.in_time and not by:
         said = tr(IN_TIME)
-    return "; ".join(filter(None, (tr_said(entry.void) if entry.void else "", said)))
+    return "; ".join(filter(None, (tr_said(entry.void) if entry.void else "", said,
+                                   arrived_text(entry.utc_s, entry.arrived_utc_s))))
+
+
+def arrived_text(utc_s: float, arrived_utc_s: Optional[float]) -> str:
+    """Return how long something waited for a link to the box; empty: it did not."""
+    if not arrived_utc_s:
+        return ""
+    seconds = round(arrived_utc_s - utc_s)
+    if seconds < MANY_SECONDS:
+        return tr("arrived {time} s later", time=seconds)
+    return tr("arrived {time} min later", time=clock_time(seconds))
 
 
 def _withdrawal(entry: HistoryEntry, when: When) -> str:

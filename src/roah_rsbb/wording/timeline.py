@@ -6,7 +6,7 @@ Every face shows these items and words none itself.
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional
 
 from roah_rsbb.model.records import TimelineEntry
-from roah_rsbb.model.results import HistoryEntry, RunEnd, RunTimeline
+from roah_rsbb.model.results import HistoryEntry, ProposedMark, RunEnd, RunTimeline
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import number, tr, tr_later, tr_said
 from roah_rsbb.wording.sheets import When
@@ -15,13 +15,14 @@ from roah_rsbb.wording.times import clock_time
 # The kinds of items besides those of `Occurred`; a second start is a restart.
 MARK, STOP, END, RESTART = "mark", "stop", "end", "restart"
 CONNECT, DISCONNECT, SIGN_OFF, OUTAGE = "connect", "disconnect", "sign_off", "outage"
-NOTE, START, PHASE, GOAL = "note", "start", "phase", "goal"
+NOTE, START, PHASE, GOAL, PAUSE, PROPOSAL = "note", "start", "phase", "goal", "pause", "proposal"
 _TITLES = {
     CONNECT: tr_later("Connected"), START: tr_later("Started"), RESTART: tr_later("Started again"),
-    "continue": tr_later("Continued"), "pause": tr_later("Clock paused"), "resume": tr_later("Clock resumed"),
+    "continue": tr_later("Continued"), PAUSE: tr_later("Clock paused"), "resume": tr_later("Clock resumed"),
     GOAL: tr_later("Goal"), DISCONNECT: tr_later("Disconnected"),
     SIGN_OFF: tr_later("Signed off"),
 }
+PROPOSED = tr_later("It was made before the sign-off and arrived after it: accept or drop it")
 NO_TEXT = tr_later("A moment to remember: no text yet")
 
 
@@ -39,18 +40,20 @@ class TimelineItem(NamedTuple):
     who: str = ""
     role: str = ""  # in words; empty: not known
     note: str = ""  # typed with a mark, or the reason of an end
-    state: str = ""  # withdrawn, late, void or correction; empty: as usual
+    state: str = ""  # withdrawn, late, void, correction, proposed or dropped; empty: as usual
     said: str = ""  # the state in words
     number: int = 0  # of the entry in the history, of the note, or of the end; 0: none
     group: str = ""  # of the item that was marked
     desc: str = ""
+    arrived: str = ""  # how long it waited for a link to the box, such as "arrived 15 s later"
 
 
 def timeline(run: RunTimeline, when: When) -> List[TimelineItem]:
     """Return what happened in a run, the latest first. `when`: how times of day are shown."""
     # In the order of what may come at one moment.
     found = [_plain(CONNECT, 0, run.opened_utc_s, when), *(_mark(entry, when) for entry in run.history),
-             *(_end(end, when) for end in run.ends), *_entries(run, when), *_after(run, when)]
+             *(_end(end, when) for end in run.ends), *_entries(run, when), *_after(run, when),
+             *(_proposal(each, when) for each in run.proposals if not each.accepted)]
     return sorted(found, key=lambda item: item.utc_s)[::-1]
 
 
@@ -76,9 +79,12 @@ def _entries(run: RunTimeline, when: When) -> Iterator[TimelineItem]:
         found = _plain(kind, entry.number, entry.utc, when, entry.clock_s)._replace(
             who=sheets.person(entry.who), role=sheets.role_word(entry.role))
         if kind == NOTE:
-            yield found._replace(text=entry.text or tr(NO_TEXT), said=_changed(entry, when))
+            yield found._replace(text=entry.text or tr(NO_TEXT), said=_changed(entry, when),
+                                 arrived=sheets.arrived_text(entry.utc, entry.arrived_utc))
         elif kind == PHASE:
             yield found._replace(text=tr("Phase: {name}", name=entry.text))
+        elif kind == PAUSE and entry.text:
+            yield found._replace(text=tr("Clock paused: {why}", why=tr_said(entry.text)))
         elif kind == GOAL and entry.text:
             yield found._replace(text=tr("Goal: {text}", text=tr_said(entry.text)))
         else:
@@ -99,7 +105,17 @@ def _mark(entry: HistoryEntry, when: When) -> TimelineItem:
         f"{MARK} {entry.number}", MARK, entry.utc_s, texts.when, clock_text(entry.clock_s), entry.item,
         sheets.change_text(entry), points_text(entry.points), sheets.person(entry.by), sheets.role_word(entry.role),
         entry.note, state, "; ".join(filter(None, (texts.correction, texts.withdrawn, texts.void))), entry.number,
-        entry.group, entry.item)
+        entry.group, entry.item, sheets.arrived_text(entry.utc_s, entry.arrived_utc_s))
+
+
+def _proposal(proposal: ProposedMark, when: When) -> TimelineItem:
+    found, by = _mark(proposal.entry, when), sheets.person(proposal.decided_by)
+    said = tr(PROPOSED) if proposal.decided_utc_s is None else tr(
+        "dropped by {name} at {time}", name=by, time=when(proposal.decided_utc_s))
+    return found._replace(
+        id=f"{PROPOSAL} {proposal.number}", kind=PROPOSAL, number=proposal.number,
+        state="proposed" if proposal.decided_utc_s is None else "dropped",
+        said=f"{said}: {proposal.reason}" if proposal.reason else said)
 
 
 def _end(end: RunEnd, when: When) -> TimelineItem:
@@ -123,9 +139,10 @@ def timeline_line(item: TimelineItem, mark: Callable[[str], str] = str) -> str:
     """Return an item in one line; `mark` makes what is unusual stand out."""
     by = ", ".join(filter(None, (item.who, item.role)))
     what = " ".join(filter(None, (item.text, item.change, f"({item.points})" if item.points else "")))
+    said = list(filter(None, (item.said, item.arrived if item.arrived not in item.said else "")))
     times = f"{item.time} {item.clock:>5}"
     return f"{times}  {what}{f': {item.note}' if item.note else ''}{f' – {by}' if by else ''}" + (
-        f"; {mark(item.said)}" if item.said else "")
+        f"; {mark('; '.join(said))}" if said else "")
 
 
 def page_item(item: TimelineItem) -> Dict[str, object]:

@@ -9,6 +9,7 @@ from helpers.competition import BUMPS, DOOR, competition, event
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.document import Documents
+from roah_rsbb.core.views.sheets import run_timeline
 from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
@@ -121,3 +122,97 @@ def test_changes_within_a_moment_are_one_item_with_the_sum_of_their_points(world
     for _ in range(3):
         world.act("mark", group=BUMPS.group, desc=BUMPS.desc, added="1")
     assert [(item.change, item.points) for item in world.items() if item.kind == "mark"] == [("+3", "−60")]
+
+
+# -- what waited for a link -------------------------------------------------------------------------
+
+
+def waited(world, seconds, number, device="phone 1", **given):
+    world.act("mark", id=f"{number}", device=device, ago_ms=round(seconds * 1000), group=BUMPS.group, desc=BUMPS.desc,
+              **(given or {"added": "1"}))
+
+
+def marks(world):
+    """The marks of the run, in the order in which they were made: clock, change, how late they arrived."""
+    return [(item.clock, item.change, item.arrived) for item in world.items()[::-1] if item.kind == "mark"]
+
+
+def test_a_mark_that_waited_has_the_moment_at_which_it_was_made(world):
+    world.act("start")
+    world.robot.lives(20.0)
+    world.act("pause")
+    world.robot.lives(30.0)
+    world.act("resume")
+    world.robot.lives(10.0)
+    waited(world, 55.0, 1)
+    waited(world, 35.0, 2)  # the clock was paused
+    waited(world, 4.0, 3)
+    waited(world, 0.5, 4)
+    assert marks(world) == [("0:05", "+1", "arrived 55 s later"), ("0:20", "+1", "arrived 35 s later"),
+                            ("0:26", "+1", "arrived 4 s later"), ("0:30", "+1", "")]
+    waited(world, 55.0, 1)  # it arrives again
+    assert len(marks(world)) == 4
+
+
+@pytest.mark.parametrize("ago_s, clock", [(600.0, "0:50"), (31.5, "0:20"), (45.0, "0:50"), (29.0, "0:21")])
+def test_a_moment_before_the_run_or_before_an_earlier_mark_of_the_device_is_not_believed(world, ago_s, clock):
+    world.act("start")
+    world.robot.lives(20.0)
+    waited(world, 0.0, 1)
+    world.robot.lives(30.0)
+    waited(world, ago_s, 2)
+    assert marks(world)[1][0] == clock
+
+
+def test_of_two_marks_of_an_item_the_one_that_was_made_later_stands(world):
+    world.act("start")
+    world.robot.lives(20.0)
+    waited(world, 0.0, 1, "phone 2", value=5)
+    waited(world, 10.0, 2, value=3)
+    waited(world, 12.0, 3, "phone 3", added="1")
+    assert world.box.scores.record_of(world.now, world.name).items[2].value == 5
+    assert [change for _, change, _ in marks(world)] == ["+1", "-2", "+5"]
+
+
+def test_a_mark_that_was_made_in_the_run_and_arrives_after_it_is_no_correction(world):
+    world.act("start")
+    world.robot.lives(20.0)
+    world.act("disconnect", running=True)
+    world.run(20.0)
+    waited(world, 30.0, 1)
+    waited(world, 5.0, 2)
+    record = world.box.scores.record_of(world.now, world.name)
+    assert [(entry.clock_s, entry.correction) for entry in record.history] == [
+        (pytest.approx(10.0), False), (pytest.approx(20.0), True)]
+
+
+def test_a_mark_that_arrives_after_the_sign_off_is_proposed_and_changes_nothing_until_it_is_accepted(world):
+    world.act("start")
+    world.robot.lives(20.0)
+    world.act("disconnect", running=True)
+    world.act("sign_off", "Ada")
+    world.run(60.0)
+    for number in (1, 2, 1):
+        waited(world, 70.0, number)
+    world.act("note", id="n", device="phone 1", ago_ms=70_000, text="missed it")
+    with pytest.raises(Refused, match="it is final"):
+        waited(world, 10.0, 3)
+    record = world.box.scores.record_of(world.now, world.name)
+    assert (record.points.total, record.history, record.sign_off.who) == ("0", (), "Ada")
+    assert world.box.entries.outcome(Target(*world.name), "mark", {
+        "group": BUMPS.group, "desc": BUMPS.desc, "id": "2"})["proposed"] == 2
+    with pytest.raises(Refused, match="needs the name"):
+        world.act("decide", "", number=1, accept=True)
+    world.act("decide", "Ben", number=1, accept=True, reason="seen by both")
+    world.act("decide", "Ben", number=2, reason="counted twice")
+    record = world.box.scores.record_of(world.now, world.name)
+    assert (record.points.total, record.sign_off.who, record.versions[0].sign_off.who) == ("-20", "Ben", "Ada")
+    assert [(entry.clock_s, entry.who, entry.points) for entry in record.history] == [
+        (pytest.approx(10.0), "Anna", "-20")]
+    (shown,) = [item for item in timeline.timeline(run_timeline(record), Moments(True).time_of_day)
+                if item.kind == "proposal"]
+    assert (shown.state, shown.said[-15:]) == ("dropped", ": counted twice")
+    with pytest.raises(Refused, match="has decided"):
+        world.act("decide", "Ben", number=1)
+    waited(world, 70.0, 1)  # it arrives again
+    assert world.box.scores.record_of(world.now, world.name) == record

@@ -208,5 +208,5 @@ def test_each_text_of_a_record_is_hidden_or_of_the_rulebook():
         "ScoreEntry": {"group", "desc", "old_text", "text", "added", "role", "points"},
         "GroupPoints": {"name", "points"}, "SheetPoints": {"total", "for_team", "inner"},
         "ScoreValue": {"group", "name", "unit", "desc"},
-        "StopRecord": {"end_reason"}, "TimelineEntry": {"kind", "role", "id"},
+        "StopRecord": {"end_reason"}, "TimelineEntry": {"kind", "role", "id"}, "Proposal": {"mark_id"},
         "PhaseTime": {"name"}, "Settlement": {"group", "desc", "text"}, "JudgeAct": {"act"}}

@@ -75,7 +75,7 @@ def test_a_mark_is_logged_and_recorded_with_role_and_device(driver):
     name = _running(driver)
     driver.taken()
     for _ in range(2):
-        entry, item = _mark(driver, name, _plus(1, note="the vase"))
+        entry, item, _ = _mark(driver, name, _plus(1, note="the vase"))
         assert (entry, item.value) == (1, 1)
     taken = driver.taken()
     recorded = [effect for effect in taken if isinstance(effect, effects.Recorded)]
@@ -95,7 +95,7 @@ def test_a_mark_is_logged_and_recorded_with_role_and_device(driver):
     (_plus(1)._replace(id=" "), "the id ' ' cannot identify a mark: give each mark a new UUID"),
     (_plus(1)._replace(id="x" * 65), "cannot identify a mark"),
     (_plus(1)._replace(id="a\nb"), "cannot identify a mark"),
-    (_plus(1)._replace(role="king"), "no role 'king': choose one of referee, judge, organiser"),
+    (_plus(1)._replace(role="king"), "no role 'king': choose one of referee, assistant, judge"),
     (_plus(1, CUPS)._replace(added="4"), "'cups' is a count: its value must be from 0 to 3, not 4"),
 ])
 def test_what_cannot_be_marked_is_refused(driver, mark, why):

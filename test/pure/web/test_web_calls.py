@@ -11,7 +11,7 @@ from roah_rsbb.model.as_json import to_json
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.results import JudgedRun, Judging, RunLine, RunSheet
 from roah_rsbb.web.commands import Outcome, PageCalls, call_of, command_of
-from roah_rsbb.web.pairing import REFEREE, DeviceSession, Grant
+from roah_rsbb.web.pairing import DeviceSession, Grant
 
 WHO = {"by": "Anna, Linux id", "node": "/web"}
 RUN = {"zone": "Home", "run": "run 1"}
@@ -38,7 +38,7 @@ class Client:
 
 
 def command(name, **body):
-    session = DeviceSession("id", Grant(REFEREE, "Home"), "Anna", "Linux", 0.0)
+    session = DeviceSession("id", Grant("referee", "Home"), "Anna", "Linux", 0.0)
     return command_of(name, {"zone": "Home", "identity": "run 1", **body}, session)
 
 

@@ -12,7 +12,7 @@ from roah_rsbb.core.actions.runs import SIGNED_OFF
 from roah_rsbb.model.results import Judging, RunLine
 from roah_rsbb.model.zone import Count, RunClock, SheetItem
 from roah_rsbb.web import device_documents
-from roah_rsbb.web.device_documents import MAX_UNSIGNED, NO_STOP, STOP, Desk
+from roah_rsbb.web.device_documents import MAX_UNSIGNED, NO_STOP, STOP, Absent, Desk
 from roah_rsbb.web.public_documents import Store
 from roah_rsbb.wording.language import in_language
 
@@ -195,6 +195,19 @@ def test_score_sheets_that_wait_for_a_signature(desk):
         closed_run("open", closed=None), closed_run("a"), closed_run("signed", signed=NOW),
         closed_run("b", zone="Hall")))
     assert [(run["identity"], run["revision"]) for run in data(desk)["unsigned"]] == [("a", 7)]
+
+
+def test_before_the_sign_off_devices_are_named_on_which_marks_may_wait():
+    absent = [Absent("Anna, Assistant", NOW + 1.0), Absent("Ben, Judge", NOW - 1.0)]
+    desk = Desk(Store(ShownBox(zone_of()), {}), tuple, lambda zone: absent if zone == "Home" else [])
+    desk.show([("en", "Home")])
+    desk.box.show(zone_of(), results=by_identity(closed_run("a"), closed_run("b", signed=NOW)._replace(proposals=2)))
+    desk.look()
+    assert data(desk)["unsigned"][0]["unheard"] == ["Anna, Assistant"]
+    assert [(run["identity"], run["number"]) for run in data(desk)["proposed"]] == [("b", 2)]
+    absent.clear()
+    desk.look()
+    assert data(desk)["unsigned"][0]["unheard"] == []
 
 
 def test_a_result_without_judges_can_be_published(desk):

@@ -28,7 +28,7 @@ from roah_rsbb.ground.linux import end_loop
 from roah_rsbb.ground.loop import call_in_loop
 from roah_rsbb.ground.params import Params
 from roah_rsbb.ground.signs_of_life import WEB_PORT, Lifeline
-from roah_rsbb.model.actions import STOP
+from roah_rsbb.model.actions import ORGANISER, STOP
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.modules import ModulesState
@@ -36,7 +36,6 @@ from roah_rsbb.model.reason import Refused, decode
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.tablet.server import TabletPage
 from roah_rsbb.web.gateway import Gateway, GatewayHost
-from roah_rsbb.web.pairing import ORGANISER
 from roah_rsbb.wording.whole_box import NO_DEVICES
 
 LEAVE_S = 1.0

@@ -181,6 +181,9 @@ class Entries:
             "take_back": _Entry(
                 lambda now, run, who, given: scores.take_back(now, run, given["id"], who, given["note"])),
             "note": _Entry(lambda now, run, who, given: scores.note(now, run, Note(**given), who)),
+            "decide": _Entry(
+                lambda now, run, who, given: scores.decide(
+                    now, run, given["number"], given["accept"], given["reason"], who)),
             "stop_reason": _Entry(
                 lambda now, run, who, given: scores.give_stop_reason(now, run, given["reason"], who, given["stop"])),
             "sign_off": _Entry(lambda now, run, who, given: scores.sign_off(now, run, who)),
@@ -237,9 +240,10 @@ class Entries:
         if name not in (MARK, JUDGE_MARK):
             return {}
         run, mark = RunName(target.zone, target.run), mark_of(fields.read(ENTRIES[name].fields, given))
-        entry, item = (self._scores.outcome(run, mark) if name == MARK else
-                       self._judges.outcome(run, mark, given["judge"]))
-        return {"number": entry, "value": item.value, "not_attempted": item.not_attempted, "text": item.text}
+        entry, item, proposed = (self._scores.outcome(run, mark) if name == MARK else
+                                 self._judges.outcome(run, mark, given["judge"]))
+        return {"number": entry, "value": item.value, "not_attempted": item.not_attempted, "text": item.text,
+                **({"proposed": proposed} if proposed else {})}
 
 
 def _has_no_value(values: Mapping[str, Any], given: Mapping[str, Any]) -> bool:
@@ -250,11 +254,11 @@ def _has_no_value(values: Mapping[str, Any], given: Mapping[str, Any]) -> bool:
 
 def _asked(values: Mapping[str, Any]) -> Dict[str, Any]:
     """Return the values of an entry as the journal has them."""
-    asked = dict(values)
+    asked = {name: value for name, value in values.items() if name != "ago_ms" or value}
     if "desc" in values:
         decides = next((name for name in _SETS if values.get(name)), "text" if values.get("judge") else "value")
         others = {*_SETS, "judge"} - ({decides, "judge"} if decides in ("text", "value") else {decides})
-        asked = {name: value for name, value in values.items() if name not in others}
+        asked = {name: value for name, value in asked.items() if name not in others}
     return _journaled(asked)
 
 

@@ -135,7 +135,7 @@ class MemberRun(Run):
     def _stop_clock(self, now: Now) -> None:
         """Do nothing: others may continue. The whole run stops it with the last one."""
 
-    def _set_pauses(self, now: Now) -> None:
+    def _set_pauses(self, now: Now, by: By = NOBODY) -> None:
         """Do nothing: the whole run knows whether the clock is paused."""
 
     def _time_out(self, now: Now) -> None:

@@ -392,10 +392,10 @@ class FunctionalityRun(Run):
 
     # -- time ---------------------------------------------------------------------------------------
 
-    def _set_pauses(self, now: Now) -> None:
+    def _set_pauses(self, now: Now, by: By = NOBODY) -> None:
         """Pause the clock while the referee works or the module is missing. The goal continues while the referee works
         for it, but not while the referee decides whether the run continues."""
-        super()._set_pauses(now)
+        super()._set_pauses(now, by)
         if self._goal is not None:
             self._goal.clock.set_paused(now, self.held or self.times.state.paused or self.state.asks)
 

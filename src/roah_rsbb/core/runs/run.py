@@ -381,8 +381,7 @@ class ZoneRun(abc.ABC):
     def pause(self, now: Now, paused: bool, by: By = NOBODY) -> None:
         """Pause the clock of a run in progress, or resume it. The robot does not notice."""
         self.times.state.paused = paused
-        self._set_pauses(now)
-        self.happened(now, Occurred.PAUSE if paused else Occurred.RESUME, by.who)
+        self._set_pauses(now, by)
         self.say(now, Level.INFO, "Clock paused by the referee" if paused else "Clock resumed by the referee")
 
     def go_to_phase(self, now: Now, number: int, by: By = NOBODY) -> None:
@@ -405,11 +404,13 @@ class ZoneRun(abc.ABC):
         """Go to the phase after an event. `reason`: why the run ended. Raises `WrongPhase`, and changes nothing."""
         self.state.phase, self.state.end_reason = following(self.phase, event), reason
 
-    def _set_pauses(self, now: Now) -> None:
+    def _set_pauses(self, now: Now, by: By = NOBODY) -> None:
         """Pause or resume what counts."""
-        paused = bool(self.why_paused)
-        self.clock.set_paused(now, paused)
-        self.times.set_paused(now, paused)
+        why, was_paused = self.why_paused, self.clock.paused
+        self.clock.set_paused(now, bool(why))
+        self.times.set_paused(now, bool(why))
+        if self.phase is Phase.RUNNING and self.clock.paused is not was_paused:
+            self.happened(now, Occurred.PAUSE if why else Occurred.RESUME, by.who, "" if by.who else why)
 
     def _describe(self, now: Now, desc: str) -> None:
         """Describe the state of the run, and the phase."""
@@ -423,13 +424,13 @@ class ZoneRun(abc.ABC):
     def mark(self, now: Now, who: str, mark: Mark) -> None:
         """Mark a scoring item. Raises `Refused` if the item or the value does not exist."""
         end = "" if self.end_reason is None else self.end_reason.name.lower()
-        marked = self.book.mark(now, who, mark, self._counted_s(now), end)
+        marked = self.book.mark(now, who, mark, self._counted_s(now), self.opened_utc, end)
         if marked.text:
             self._score_changed(now, marked)
 
     def note(self, now: Now, who: str, note: Note) -> None:
         """See `RunBook.note`. Raises `Refused`."""
-        text = self.book.note(now, who, note, self._counted_s(now))
+        text = self.book.note(now, who, note, self._counted_s(now), self.opened_utc)
         if text:
             self.say(now, Level.INFO, text)
             self._record_changed(now)

@@ -21,6 +21,7 @@ from roah_rsbb.model.results import (
     JudgeLine,
     Judging,
     ObjectionLine,
+    ProposedMark,
     RunEnd,
     RunLine,
     RunSheet,
@@ -111,6 +112,7 @@ def run_line(record: RunRecord, why: Optional[Why]) -> RunLine:
         record.opened_utc, record.started_utc or None, record.closed_utc or None, record.end_reason,
         sums_of_record(record), any(item.corrected for item in record.items), None if signed is None else signed.utc,
         "" if signed is None else signed.who, "" if why is None else why.value,
+        sum(not each.decided_utc for each in record.proposals),
     )
 
 
@@ -119,6 +121,7 @@ def run_sheet(record: RunRecord, why: Optional[Why]) -> RunSheet:
     return RunSheet(
         run_line(record, why), tuple(record.robots), record.elapsed_s, _given_items(record),
         _history(record), _ends(record), record.module_scores, record.points, record.timeline, record.outages,
+        _proposals(record),
     )
 
 
@@ -127,13 +130,24 @@ def run_timeline(record: RunRecord) -> RunTimeline:
     signed = record.sign_off
     return RunTimeline(
         record.identity, record.opened_utc, _history(record), _ends(record), record.timeline, record.outages,
-        record.closed_utc or None, None if signed is None else signed.utc, "" if signed is None else signed.who)
+        record.closed_utc or None, None if signed is None else signed.utc, "" if signed is None else signed.who,
+        _proposals(record))
 
 
 def _history(record: RunRecord) -> Tuple[HistoryEntry, ...]:
+    return tuple(entry._replace(late=is_late(entry.void)) if entry.void else entry
+                 for entry in _entries(record, record.history))
+
+
+def _entries(record: RunRecord, entries: Iterable[ScoreEntry]) -> Iterable[HistoryEntry]:
     items = {item.key: (_type(item), item.unit) for item in record.items}
-    found = (history_entry(entry, *items.get((entry.group, entry.desc), ("uint", ""))) for entry in record.history)
-    return tuple(entry._replace(late=is_late(entry.void)) if entry.void else entry for entry in found)
+    return (history_entry(entry, *items.get((entry.group, entry.desc), ("uint", ""))) for entry in entries)
+
+
+def _proposals(record: RunRecord) -> Tuple[ProposedMark, ...]:
+    entries = _entries(record, [each.entry for each in record.proposals])
+    return tuple(ProposedMark(each.number, entry, each.decided_utc or None, each.decided_by, each.accepted, each.reason)
+                 for each, entry in zip(record.proposals, entries))
 
 
 def _ends(record: RunRecord) -> Tuple[RunEnd, ...]:
