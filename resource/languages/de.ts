@@ -792,6 +792,26 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Timeline</source>
+        <translation>Verlauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Add text</source>
+        <translation>Text ergänzen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>No run yet</source>
+        <translation>Noch kein Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>{number} older entries are in the sheet of the run</source>
+        <translation>{number} ältere Einträge sind im Bogen des Laufs</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>STOP ends the run. It has no robot</source>
         <translation>STOP beendet den Lauf. Er hat keinen Roboter</translation>
     </message>

@@ -5,13 +5,13 @@ import {html, useEffect, useState} from "/assets/parts.js";
 const CONFIRM_MS = 4000;
 
 // A button with the reasons why it is off as text: a finger cannot hover. `isBare`: they are shown elsewhere. `small`: a
-// second line. `isMain`: the next action.
-export function Command({label, small = "", reasons = [], act, isMain = false, isBare = false, name, children}) {
+// second line. `isMain`: the next action. `isStacked`: its icon is above.
+export function Command({label, small = "", reasons = [], act, isMain = false, isBare = false, isStacked = false, name, children}) {
   const isOff = reasons.length > 0, why = isOff && !isBare ? reasons.join("; ") : "";
   return html`
     <div class="command">
       <button type="button" class="button ${isMain ? "next" : ""}" data-command=${name} data-meaning=${label} disabled=${isOff} onClick=${act}>
-        ${children}<span>${label}${isMain && (why || small) && html`<small>${why || small}</small>`}</span>
+        ${isStacked ? html`<span class="stack">${children}<span>${label}</span></span>` : html`${children}<span>${label}${isMain && (why || small) && html`<small>${why || small}</small>`}</span>`}
       </button>
       ${why && !isMain && html`<p class="why">${why}</p>`}
     </div>`;

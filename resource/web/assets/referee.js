@@ -296,11 +296,11 @@ function Last({zone, texts, session}) {
   const isTodo = zone.is_urgent || !shown || zone.phase === "idle";
   return html`
     <section class="last">
-      <button type="button" class="to-more" data-meaning="more" onClick=${() => openDrawer("more")}>
+      <button type="button" class="to-more" data-meaning="more" onClick=${() => openDrawer(isTodo ? "more" : "timeline")}>
         <${Icon} name=${zone.is_urgent ? "warning" : isTodo ? "now" : "timeline"} />
         <span>${isTodo ? html`<span class="todo ${zone.is_urgent ? "urgent" : ""}" role="status">${zone.todo}</span>`
           : html`<span class="lines-1 said">${waiting.length > 0 ? nameOf(shown) : shown.shown}</span>`}
-          ${waiting.some(({isLate}) => isLate) ? html`<span class="chip pending small"><${Icon} name="pending" />${texts.marks_waiting
+          <span class="unseen"><${Icon} name="pending" /></span>${waiting.some(({isLate}) => isLate) ? html`<span class="chip pending small"><${Icon} name="pending" />${texts.marks_waiting
             .replace("{number}", () => count).replace("{waiting}", () => waiting.length)}</span>`
             : !isTodo && html`<small class="lines-1">${texts.marks_sent.replace("{number}", () => count)}</small>`}</span>
       </button>
@@ -336,7 +336,7 @@ function Incident({zone, item, texts}) {
   const isOn = Boolean(item.after) && isGoing(zone, item), now = state.live.now() || Date.now() / 1000;
   const number = times(zone, item);
   if (isOn && (!begun.current || begun.current.number !== number)) {
-    begun.current = {number, at: begunAt(zone, item) || now};
+    begun.current = {number, at: times(zone, item) === item.value && begunAt(zone, item) || now};
   }
   begun.current = isOn ? begun.current : null;
   const left = isOn ? Math.max(0, Number(item.after) - (now - begun.current.at)) : 0;
@@ -349,8 +349,43 @@ function Incident({zone, item, texts}) {
     </button>`;
 }
 
-// When an incident that was entered on another device began.
-const begunAt = () => null;
+const happenings = () => (state.live.data["page.timeline"] || {items: []}).items;
+
+// When an incident began, wherever it was entered, as far as the box knows.
+const begunAt = (zone, item) => (happenings().find(({group, desc, state}) => group === item.group && desc === item.desc && state !== "withdrawn") || {}).utc_s;
+
+const SIGNS = {note: "note", start: "executing", restart: "executing", continue: "executing", resume: "executing", phase: "executing", goal: "now",
+  pause: "pause", stop: "stopped", end: "completed", connect: "robot", disconnect: "robot", sign_off: "sign", outage: "offline"};
+const SOLID = ["executing", "stopped"];
+
+// What happened in the run, the latest first.
+function Timeline({zone, texts}) {
+  const {items, hidden = 0} = state.live.data["page.timeline"] || {items: []};
+  return html`
+    ${items.length === 0 && html`<p class="nothing">${texts.no_timeline}</p>`}
+    <ol class="timeline">${items.map((one) => html`<${Happening} key=${one.id} one=${one} zone=${zone} texts=${texts} />`)}</ol>
+    ${hidden > 0 && html`<p class="nothing">${texts.older.replace("{number}", () => hidden)}</p>`}`;
+}
+
+function Happening({one, zone, texts}) {
+  const [typed, setTyped] = useState(null);
+  const {kind, state: how, points = ""} = one, isLoss = points.startsWith("−");
+  const sign = SIGNS[kind] || (isLoss ? "flag" : "check"), look = kind !== "mark" ? "" : isLoss ? "penalty" : points && "achievement";
+  const save = (event) => {
+    event.preventDefault();
+    setTyped(null);
+    state.marks.add({zone: zone.zone, identity: zone.identity, command: "note", number: one.number, text: typed.trim(), shown: typed.trim()});
+  };
+  return html`
+    <li class=${how || ""}><time>${one.clock || one.time}</time><span class="chip ${look}"><${Icon} name=${sign} solid=${SOLID.includes(sign)} /></span>
+      <span><span class=${["mark", "note"].includes(kind) ? "" : "phase"}>${one.text}${one.note && `: ${one.note}`}</span>
+        <small>${[one.who && [one.who, one.role].filter(Boolean).join(", "), one.said].filter(Boolean).join(" · ")}</small></span>
+      ${kind === "note" ? html`<button type="button" class="button quiet" data-meaning=${one.id} onClick=${() => setTyped(typed === null ? "" : null)}>${texts.add_text}</button>`
+        : html`<span class="number ${look}">${points || one.change}</span>`}
+      ${typed !== null && html`<form class="entry" onSubmit=${save}><label><span class="unseen">${texts.shown_text}</span>
+        <input maxlength="200" value=${typed} onInput=${(event) => setTyped(event.target.value)} /></label><button class="button">${texts.save}</button></form>`}
+    </li>`;
+}
 
 function Tools({zone, texts}) {
   const shown = Object.keys(INCIDENTS).map((name) => find(zone, "incident", name)).filter(Boolean);
@@ -448,7 +483,7 @@ function actionsOf(zone, texts) {
   }
   const pressing = ["continue", "resume", "next_phase"].find(isOn);
   if (zone.phase === "running" || pressing) {
-    return [pressing && one(pressing), isOn("pause") && one("pause")];
+    return [pressing && one(pressing), !pressing && isOn("pause") && one("pause")];
   }
   if (zone.phase === "connected") {
     return [one("start"), one("disconnect")];
@@ -471,14 +506,16 @@ function Act({isTwice, warning, icon, explanation, ...command}) {
 }
 
 // The next action is always in the same place, above STOP.
-function Dock({zone, texts}) {
+function Dock({zone, texts, isOld}) {
   const [next, second] = actionsOf(zone, texts);
   const why = [next, second].find((one) => one && one.warning);
+  const note = () => state.marks.add({zone: zone.zone, identity: zone.identity, command: "note", shown: texts.note_moment});
   return html`
     <section class="dock" aria-label=${texts.commands}>
       ${why && html`<p class="dock-why alarm">⚠ ${why.label}: ${why.warning}</p>`}
-      ${next && html`<${Act} ...${next} isMain=${isNext(zone)} />`}
-      ${second ? html`<div class=${next ? "second" : "command"}><${Act} ...${second} isBare /></div>` : !next && html`<p class="quiet idle">${zone.todo}</p>`}
+      <fieldset disabled=${isOld}>${next && html`<${Act} ...${next} isMain=${isNext(zone)} />`}
+      ${second ? html`<div class=${next ? "second" : "command"}><${Act} ...${second} isBare /></div>` : !next && html`<p class="quiet idle">${zone.todo}</p>`}</fieldset>
+      ${zone.phase === "running" && html`<div class="second"><${Command} name="note" label=${texts.note_moment} act=${note} isStacked><${Icon} name="moment" /><//></div>`}
     </section>`;
 }
 
@@ -673,17 +710,18 @@ function ZonePage({zone, zones, session, texts, isOld}) {
           <${JudgeRun} key=${run.identity} zone=${zone.zone} run=${run} marks=${marks} texts=${texts} person=${judge} give=${give} />`))}
         ${isJudged && !judge && html`<p class="nothing">${texts.judges_score}</p>`}
         ${zone.items.length > 0 && !isJudged && part(texts.sheet, html`
-          <${Sheet} key="${zone.identity} ${isBefore}" zone=${zone} marks=${marks} texts=${texts} judge=${judge} give=${give} only="items"
+          <${Sheet} key="${zone.identity} ${isBefore}" zone=${zone} happenings=${happenings()} marks=${marks} texts=${texts} judge=${judge} give=${give} only="items"
             onMark=${(item) => endInactivity(zone, item)} />`)}
         ${!judge && ["idle", "ended"].includes(zone.phase) && part(texts.unsigned, html`<fieldset disabled=${isOld}><${Over} zone=${zone} texts=${texts} /></fieldset>`)}
       </div>
-      ${!judge && html`<fieldset disabled=${isOld} class="aside">
-        ${isInstruction && part(ask[0], html`<${Instruction} key=${asked} zone=${zone} texts=${texts} name=${ask[0]} action=${ask[1]} />`)}
+      ${!judge && html`<div class="aside">
+        ${isInstruction && part(ask[0], html`<fieldset disabled=${isOld}><${Instruction} key=${asked} zone=${zone} texts=${texts} name=${ask[0]} action=${ask[1]} /></fieldset>`)}
         <${Drawer} name="happened" title=${zone.incidents} texts=${texts}>${part(zone.incidents, html`<${Sheet} zone=${zone} marks=${marks} texts=${texts} give=${give} only="incidents" />`)}<//>
-        <${Drawer} name="more" title=${texts.more} texts=${texts}>${part(texts.commands, html`<${More} zone=${zone} zones=${zones} texts=${texts} session=${session} />`)}<//>
+        <${Drawer} name="timeline" title=${texts.timeline} texts=${texts}>${part(texts.timeline, html`<${Timeline} zone=${zone} texts=${texts} />`)}<//>
+        <${Drawer} name="more" title=${texts.more} texts=${texts}>${part(texts.commands, html`<fieldset disabled=${isOld}><${More} zone=${zone} zones=${zones} texts=${texts} session=${session} /></fieldset>`)}<//>
         ${isInstruction ? null : asked ? html`<section class="dock"><${Command} label=${ask[1].label} small=${zone.todo} isMain act=${open} /></section>`
-          : part("→", html`<${Dock} zone=${zone} texts=${texts} />`)}
-      </fieldset>`}
+          : part("→", html`<${Dock} zone=${zone} texts=${texts} isOld=${isOld} />`)}
+      </div>`}
     </div>`;
 }
 

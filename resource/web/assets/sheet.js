@@ -13,6 +13,7 @@ const whole = (text) => text === "" ? NaN : Number(text.replace("−", "-"));
 // Which keys a phone shows for the values of an item: its keypad for decimals may have no minus.
 export const keypad = ({type, min}) => type !== "uint" && (min === "" || Number(min) < 0) ? "text" : "decimal";
 
+const MOST_MARKS = 5;
 const COUNTS = ["uint", "int"];
 const isShare = (item) => item.step !== 1;
 const isOf = (item, identity) => (one) => one.identity === identity && one.group === item.group && one.desc === item.desc;
@@ -34,7 +35,7 @@ export function RefusedMark({mark, marks, texts}) {
 }
 
 // `mark(item, given, shown)`: enters a mark; `waiting`: marks of this item that were not answered yet.
-function Item({item, zone, waiting, refused, mark, texts, judge, give}) {
+function Item({item, zone, waiting, refused, mark, texts, judge, give, happenings}) {
   const [isOpen, setOpen] = useState(false);
   const [note, setNote] = useState("");
   const enter = (given, shown) => {
@@ -66,7 +67,7 @@ function Item({item, zone, waiting, refused, mark, texts, judge, give}) {
       ${isTouched ? html`<button type="button" class="take-back ${canTakeBack ? "" : "none"}" disabled=${!canTakeBack} data-meaning="less"
           onClick=${() => touch(-1)}><${Icon} name=${item.is_penalty || isBool ? "undo" : "minus"} /><span class="unseen">${
           texts.subtract.replace("{item}", () => name)}</span></button>` : html`<span></span>`}
-      <span class="value ${isEarned ? "has" : ""} ${isWaiting ? "pending-mark" : ""}">${value}${(refused.length > 0 || late) && html`<${Icon} name="warning" />`}<span
+      <span class="value ${value.length > 4 ? "long" : ""} ${isEarned ? "has" : ""} ${isWaiting ? "pending-mark" : ""}">${value}${(refused.length > 0 || late) && html`<${Icon} name="warning" />`}<span
         class="unseen" role="status">${waiting.map((one) => texts.sending.replace("{mark}", () => one.shown)).join("; ")}</span></span>
       ${isTouched ? html`<button type="button" class="mark ${isWorth ? "" : "neutral"} ${isBool && count ? "on" : ""}" aria-pressed=${isBool ? Boolean(count) : undefined} data-meaning="more"
           disabled=${isMost && !isBool} onClick=${() => isMost || touch(1)}>
@@ -91,6 +92,8 @@ function Item({item, zone, waiting, refused, mark, texts, judge, give}) {
         <div class="options help">
           ${item.help && html`<p><${Icon} name="rules" /> ${item.help}</p>`}
           ${(item.rulings || []).map((ruling) => html`<p><${Icon} name="ruling" /> ${ruling}</p>`)}
+          ${happenings.filter((one) => one.group === item.group && one.desc === item.desc).slice(0, MOST_MARKS).map((one) => html`
+            <p key=${one.id} class="small ${one.state || ""}"><${Icon} name="timeline" /> ${[one.clock || one.time, one.change, one.who, one.said].filter(Boolean).join(" · ")}</p>`)}
           ${!judge && html`<label>${texts.note}: ${texts.note_how}
             <input maxlength="200" value=${note} onInput=${(event) => setNote(event.target.value)} />
           </label>`}
@@ -149,8 +152,8 @@ function Groups({groups, zone, row, texts}) {
 // `judge`: the name of the judge who may only give ratings; empty: a referee.
 // `command`: another one than "mark", on the own sheet of `person`.
 // `undo(mark)` takes the last mark of this device back; `give`: a command, as the referee's page gives it.
-// `onMark(item)`: called before a mark is entered. `only`: incidents are shown alone, or not at all; empty: below the rest.
-export function Sheet({zone, marks, texts, judge = "", command = "", person = "", undo = null, give = null, onMark = null, only = ""}) {
+// `happenings`: what happened in the run, the latest first. `onMark(item)`: called before a mark is entered. `only`: incidents are shown alone, or not at all; empty: below the rest.
+export function Sheet({zone, marks, texts, judge = "", command = "", person = "", undo = null, give = null, onMark = null, only = "", happenings = []}) {
   const last = marks.last(zone.identity);
   const items = judge ? zone.items.filter((item) => item.judges.includes(judge)) : zone.items;
   const mark = (item, given, shown) => {
@@ -164,7 +167,7 @@ export function Sheet({zone, marks, texts, judge = "", command = "", person = ""
   items.filter((item) => !item.is_incident).forEach((item) => groups.set(item.group, [...(groups.get(item.group) || []), item]));
   const row = (item) => html`
     <${Item} key="${item.group}/${item.desc}" item=${item} zone=${zone} waiting=${marks.waiting.filter(isOf(item, zone.identity))}
-      refused=${marks.refused.filter(isOf(item, zone.identity))} mark=${mark} texts=${texts} judge=${judge} give=${judge ? null : give} />`;
+      refused=${marks.refused.filter(isOf(item, zone.identity))} mark=${mark} texts=${texts} judge=${judge} give=${judge ? null : give} happenings=${happenings} />`;
   const incidents = items.filter((item) => item.is_incident);
   if (only === "incidents") {
     return html`<ul>${incidents.map(row)}</ul>`;

@@ -143,6 +143,8 @@ def page_words() -> Dict[str, Any]:
             really="Press again: {command}", state="State", commands="Commands", more="More",
             read_on="Read on", marks_sent="{number} marks, all sent", marks_waiting="{number} marks, {waiting} waiting",
             was_in_time="Was it in time?", points_in_all="points",
+            timeline="Timeline", note_moment=ENTRIES["note"].label, add_text="Add text", no_timeline="No run yet",
+            older="{number} older entries are in the sheet of the run",
             stop_ends="STOP ends the run. It has no robot", stop_reaches="STOP goes to {robot}",
             sheet="Score sheet", time="Time", connect_robot="Connect {robot}",
             # STOP
