@@ -12,7 +12,7 @@ from roah_rsbb.rqt.client import RefereeClient
 from roah_rsbb.rqt.node import WindowNode
 from roah_rsbb.rqt.panels import PANELS, load
 from roah_rsbb.rqt.panels.panel import Panel
-from roah_rsbb.rqt.qt import QApplication, QDockWidget, QMainWindow, QSettings, Qt
+from roah_rsbb.rqt.qt import QApplication, QDockWidget, QMainWindow, QSettings, Qt, QTabBar
 from roah_rsbb.wording.language import tr
 
 # Size of a panel's window at the first start, in units of the desktop's font.
@@ -121,6 +121,13 @@ class Window(QMainWindow):
             panel.shutdown()
         self._settings.sync()
         RefereeClient.release()
+
+    def childEvent(self, event) -> None:
+        """Let tabs that find no place scroll: their names must stay legible. Qt would shorten them to a letter."""
+        if event.polished() and isinstance(event.child(), QTabBar):
+            event.child().setElideMode(Qt.ElideNone)
+            event.child().setUsesScrollButtons(True)
+        super().childEvent(event)
 
     def _mark(self) -> None:
         self._title.show(self._model.is_replay)

@@ -119,7 +119,8 @@ class TestInSight(_AtAllSizes):
     def no_title_of_a_tab_is_shortened(self) -> None:
         # From a large screen to the smallest: the docks keep their shares. Fusion is the style of the pictures and of
         # desktops without one of their own.
-        sizes = [(3840, 2160), *SIZES, (1280 * SCALE, 720 * SCALE)]
+        # The last one is that of 1920x1080 at scale 2: some may be behind an arrow there.
+        sizes = [(3840, 2160), *SIZES, (1280 * SCALE, 720 * SCALE), (960 * SCALE, 540 * SCALE)]
         for size in sizes:
             self.window.resize(*(length // SCALE for length in size))
             self.wait_quiet()
@@ -130,7 +131,8 @@ class TestInSight(_AtAllSizes):
                 for index in range(bar.count()):
                     needed = bar.fontMetrics().horizontalAdvance(bar.tabText(index)) + beside
                     self.assertGreaterEqual(bar.tabRect(index).width(), needed, f"{bar.tabText(index)} at {size}")
-                    self.assertTrue(bar.rect().contains(bar.tabRect(index)), f"{bar.tabText(index)} at {size}")
+                    is_here = size == sizes[-1] or bar.rect().contains(bar.tabRect(index))
+                    self.assertTrue(is_here, f"{bar.tabText(index)} at {size}")
 
 
 class TestFunctionalityInSight(_AtAllSizes):
