@@ -317,8 +317,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>Open</source>
-        <translation>Öffnen</translation>
+        <source>To do</source>
+        <translation>Zu tun</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -2779,6 +2779,11 @@
         <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>OPEN</source>
         <translation>OFFEN</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Open</source>
+        <translation>Öffnen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/whole_box.py"/>

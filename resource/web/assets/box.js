@@ -30,14 +30,14 @@ function Overview({data, zone, texts, openZone}) {
           <strong>${one.zone}: ${one.team}</strong>
           <span class="chip"><${Icon} name=${one.look} solid=${one.look === "executing"} /> ${[one.phase_text, one.clock.pause].filter(Boolean).join(" · ")}</span>
           <span class="clock ${one.clock.main.hurry ? "hurry" : ""}">${one.clock.main.text}</span>
-          <span class="progress" style="--part: ${one.used}"></span>
+          <span class="progress" style="--part: ${one.clock.part}"></span>
         </span>
         <span class="facts">
           <span><${Icon} name="rules" /> ${one.event}</span>
           <span class=${one.is_urgent ? "urgent" : ""}><${Icon} name=${one.is_urgent ? "warning" : "robot"} /> ${one.todo} ${one.more}</span>
           <span><${Icon} name="referee" /> ${one.people || texts.no_phone}</span>
-          <span><${Icon} name="organise" /> ${one.next ? html`<b class=${one.next.late ? "late" : ""}>${one.next.begins || one.next.when}</b> ${
-            one.next.team}, ${one.next.event} ${one.next.late}` : texts.no_more_events}</span>
+          <span><${Icon} name="organise" /> ${one.next ? html`<b class=${one.next.late ? "delay" : ""}>${one.next.begins || one.next.when}</b> ${
+            one.next.team}, ${one.next.event} <span class="delay">${one.next.late}</span>` : texts.no_more_events}</span>
         </span>
       </button>`)}</div>
     <div class="work">
@@ -50,7 +50,7 @@ function Overview({data, zone, texts, openZone}) {
                 <td>${event.event}</td><td>${event.zone}</td><td><${State} event=${event} /></td></tr>`)}</tbody></table>`}
       <//>
       <div class="side">
-        <${Pane} name=${texts.open}>
+        <${Pane} name=${texts.waits}>
           ${data.open.length === 0 ? html`<p class="nothing">${texts.nothing_open}</p>` : html`
             <ul class="rows">${data.open.map((one) => html`
               <li key=${one.what}><span class="count">${one.count}</span><span>${one.what}<small>${one.more}</small></span>
@@ -124,7 +124,7 @@ function Schedule({data, texts, give}) {
         <li key=${event.id} class="event ${event.current ? "current" : ""}" data-event=${event.id}>
           <button type="button" aria-expanded=${chosen === event.id} data-meaning=${event.id}
               onClick=${() => setChosen(chosen === event.id ? "" : event.id)}>
-            <span class="when"><span>${event.when}</span>${event.begins && event.begins !== event.when && html` <small>${event.begins}</small>`}${event.late && html` <small class="late">${event.late}</small>`}</span>
+            <span class="when"><span>${event.when}</span>${event.begins && event.begins !== event.when && html` <small>${event.begins}</small>`}${event.late && html` <small class="delay">${event.late}</small>`}</span>
             <span><strong>${event.team}</strong> ${event.event}</span>
             <span>${event.zone}</span>
             <span><span class="chip ${event.look}">${event.state}</span> ${[event.score, event.sheet].filter(Boolean).join(" · ")}</span>

@@ -303,14 +303,13 @@ def _overview(shown: PartShown) -> Data:
 
 
 def _tile(zone: ZoneSeen, coming: Sequence[EventSeen], shown: PartShown) -> Data:
-    task, event, clock = todo.todo(zone), zone.event, zone.clock
+    task, event = todo.todo(zone), zone.event
     after = next((one for one in coming if one.zone == zone.zone and not one.current), None)
     return {
         "zone": zone.zone, "team": event.team, "event": f"{event.code} · {sheets.turn(event.round, event.run)}",
         "phase": zone.phase, "phase_text": sheets.phase(zone.phase, zone.end_reason),
         "look": sheets.look(zone.phase, zone.end_reason),
         "clock": clock_page(zone, shown.now.mono),
-        "used": min(1.0, clock.elapsed.at(shown.now.mono) / clock.limit) if clock.limit and zone.phase != IDLE else 0.0,
         "todo": task.text, "is_urgent": is_urgent(task), "more": task.more,
         "people": ", ".join(f"{one.person} ({sheets.role_word(one.grant.role)})" for one in shown.people
                             if one.grant.zone == zone.zone),

@@ -81,7 +81,7 @@ def page_words() -> Dict[str, Any]:
             no_phone="No phone of a referee is connected", no_more_events="No more events",
             choose_or_filter="Choose or filter", nothing_to_come=(
                 "No event is to come. Events of the schedule are listed here, with their estimated times."),
-            open="Open", look_at="Show", nothing_open=(
+            waits="To do", look_at="Show", nothing_open=(
                 "Nothing waits. Score sheets to sign off, objections and zones without a referee are listed here."),
             standings="Standings", no_standings="No run is signed off yet. Then the teams are ranked here.",
             reload_how="Compares the files of the competition with what is in force, and asks before anything changes.",
