@@ -287,11 +287,11 @@ def points_said(points: SheetPoints) -> str:
     A group that is part of another one is left out, because readers add them up, and one without points.
     """
     found = [joined([_TIME_LEFT if name == _TIME_LEFT else name, number], " ") for name, number in points.groups
-             if name not in points.inner and number != "0"]
+             if name not in points.inner and number != "0" and len(points.groups) > 1]
     said = _POINTS(points=points.total)
     if points.for_team:
         said = _POINTS_AND(points=points.total, more=points.for_team)
-    return said if len(found) < 2 else joined([said, joined(found, " · ")], ": ")
+    return joined([said, joined(found, " · ")], ": ") if found else said
 
 
 def points_text(points: Optional[SheetPoints]) -> str:
