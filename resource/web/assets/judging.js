@@ -47,7 +47,8 @@ function Progress({run, texts}) {
 
 // -- a judge ------------------------------------------------------------------------------------------
 
-export function JudgeRun({zone, run, marks, texts, person, give}) {
+// `isOld`: there is no link, and a sheet cannot be submitted.
+export function JudgeRun({zone, run, marks, texts, person, give, isOld}) {
   const answer = useAnswer(zone, run);
   const waits = marks.waiting.some((mark) => mark.identity === run.identity);
   return html`
@@ -59,8 +60,8 @@ export function JudgeRun({zone, run, marks, texts, person, give}) {
       ${answer && !answer.submitted && html`
         <${Sheet} zone=${{zone, identity: run.identity, items: answer.items, points: "", steps: []}} marks=${marks} texts=${texts}
           person=${person} command="judge_mark" />
-        <${Twice} key=${run.identity} name="submit" label=${texts.submit} question=${texts.really} isMain
-          reasons=${waits ? [texts.marks_wait] : []} act=${() => give("submit", texts, texts.submit, {identity: run.identity})} />`}
+        <fieldset disabled=${isOld}><${Twice} key=${run.identity} name="submit" label=${texts.submit} question=${texts.really} isMain
+          reasons=${waits ? [texts.marks_wait] : []} act=${() => give("submit", texts, texts.submit, {identity: run.identity})} /></fieldset>`}
       ${answer && answer.submitted && html`
         <p class="todo" role="status">✔ ${texts.submitted_how}</p>
         <ul>${answer.items.map((item) => html`<li class="item" data-item=${item.desc}><div class="what">

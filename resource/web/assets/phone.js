@@ -6,7 +6,10 @@ import {html, useEffect, useState} from "/assets/parts.js";
 // Whether the pages open without a network, as soon as that is known. Browsers refuse it where somebody only went past
 // their warning of the certificate.
 const isKept = location.protocol === "https:" && navigator.serviceWorker
-  ? navigator.serviceWorker.register("/worker.js", {updateViaCache: "none"}).then(() => true, () => false)
+  ? navigator.serviceWorker.register("/worker.js", {updateViaCache: "none"}).then((worker) => {
+    worker.update().catch(() => {});  // browsers look for another version only at times; without a network, they cannot
+    return true;
+  }, () => false)
   : Promise.resolve(isSecureContext);
 
 // What is missing on this device, and the remedy.

@@ -707,7 +707,7 @@ function ZonePage({zone, zones, session, texts, isOld}) {
         ${zone.switches && !judge && part(texts.switches, html`<${Switches} zone=${zone} texts=${texts} />`)}
         ${isBefore && part("✓", html`<fieldset disabled=${isOld}><${Checks} key=${zone.phase} zone=${zone} texts=${texts} /></fieldset>`)}
         ${judge && part(texts.judges, zone.judging.filter((run) => run.count > 0).map((run) => html`
-          <${JudgeRun} key=${run.identity} zone=${zone.zone} run=${run} marks=${marks} texts=${texts} person=${judge} give=${give} />`))}
+          <${JudgeRun} key=${run.identity} zone=${zone.zone} run=${run} marks=${marks} texts=${texts} person=${judge} give=${give} isOld=${isOld} />`))}
         ${isJudged && !judge && html`<p class="nothing">${texts.judges_score}</p>`}
         ${zone.items.length > 0 && !isJudged && part(texts.sheet, html`
           <${Sheet} key="${zone.identity} ${isBefore}" zone=${zone} happenings=${happenings()} marks=${marks} texts=${texts} judge=${judge} give=${give} only="items"
