@@ -64,7 +64,7 @@ def course_of(
         in_time = entry.in_time or _takes_away(row, before, after)
         is_late = sheet.limit_s is not None and at_s is not None and at_s > sheet.limit_s and not in_time
         if entry.number not in void and not is_late:
-            standing[item_id] = after
+            standing[item_id] = max(Fraction(0), after) if row.kind is ScoreKind.UINT else after
         marks += [(mark._replace(at_s=at_s, in_time=in_time, order=order), entry.number)
                   for mark in _marks(kinds[item_id], entry, before, after)]
     return History(Course(

@@ -110,6 +110,8 @@ class ScoreSheet:
         """`rules`: those that make entries void; None: none do."""
         self.state = state or SheetState()
         self._history = self.state.history  # the same list
+        # Those of a record say why they did not count then.
+        self._history[:] = [entry._replace(void="") if entry.void else entry for entry in self._history]
         self._items: Dict[Key, ScoringItem] = {i.key: i for i in items}
         self._rules = rules or Sheet()
         self._course: Optional[Course] = None  # what the history says; None: not made yet
@@ -360,7 +362,11 @@ class ScoreSheet:
 
     def _why_wrong(self, entry: ScoreEntry) -> str:
         """Return why the value of this entry's item is outside the limits; empty: it is not."""
-        standing = self._standing.get((entry.group, entry.desc, entry.judge))
+        standing: Optional[ScoreEntry] = None
+        for each in self._history:
+            same = (each.group, each.desc, each.judge) == (entry.group, entry.desc, entry.judge)
+            if same and not each.withdrawn_utc and each.number not in self._void:
+                standing = _after(standing, each)
         if standing is None or not standing.added or (entry.group, entry.desc) not in self._items:
             return ""
         try:
@@ -531,9 +537,15 @@ class ScoreSheet:
         for entry in self._history:
             if not entry.withdrawn_utc and entry.number not in self._void:
                 place = (entry.group, entry.desc, entry.judge)
-                before = self._standing.get(place)
-                self._standing[place] = _after(before, entry)
+                after = _after(self._standing.get(place), entry)
+                is_below = entry.added and after.value < 0 and self._is_count(place)
+                self._standing[place] = after._replace(value=0) if is_below else after
         self._groups = self._records = None
+
+    def _is_count(self, place: Place) -> bool:
+        """Whether an item is a count, of which nobody takes more than there is: what was there may not count now."""
+        item = self._items.get(place[:2])
+        return item is not None and item.kind is ScoreKind.UINT
 
     def _unknown(self, group: str, desc: str) -> str:
         if not self._items:

@@ -302,7 +302,7 @@ class _Run:
     def _so_far(self, happened: Happened, net: bool) -> Fraction:
         """Return the points until an incident: without penalties, unless they count."""
         marks = [mark for index, mark in enumerate(self._marks) if index not in self._void
-                 and (net or _worth(self._items[mark.item], mark) >= 0 or _is_penalty(self._items[mark.item]))
+                 and (net or not self._costs(mark) or _is_penalty(self._items[mark.item]))
                  and (happened.at_s is None or (mark.at_s is not None and _moment(mark) <= _moment(happened)))]
         sheet = self.sheet if net else replace(self.sheet, items=tuple(map(_without_penalty, self.sheet.items)))
         # What the end gives, the time that was left, comes later than any incident.
@@ -316,9 +316,16 @@ class _Run:
             return False
         if rule.voids is Voids.LATER:
             return mark.at_s > happened.at_s
-        if rule.voids is Voids.EARLIER_POINTS and _worth(self._items[mark.item], mark) < 0:
+        if rule.voids is Voids.EARLIER_POINTS and self._costs(mark):
             return False
         return rule.voids in (Voids.EARLIER, Voids.EARLIER_POINTS) and _moment(mark) <= _moment(until)
+
+    def _costs(self, mark: SheetMark) -> bool:
+        """Whether a mark is a penalty. What corrects a count belongs to its row."""
+        item = self._items[mark.item]
+        if item.amount in (Measure.COUNT, Measure.YES, Measure.PERCENT):
+            return _is_penalty(item)
+        return _worth(item, mark) < 0
 
     def _scored_after(self, happened: Happened) -> bool:
         """Whether points were scored after an incident."""
@@ -459,7 +466,10 @@ class _Tree:
         elif item.amount is Measure.PERCENT:
             self._times[item.id] = _Times((*before.shares, *new))
         else:
-            self._times[item.id] = _Times(((before.total() + mark.number * mark.share, ONE),))
+            total = before.total() + mark.number * mark.share
+            # What is taken away may have been made void since.
+            total = max(ZERO, total) if item.amount is Measure.COUNT else total
+            self._times[item.id] = _Times(((total, ONE),))
 
     # -- conditions ---------------------------------------------------------------------------------
 

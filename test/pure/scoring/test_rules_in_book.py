@@ -77,9 +77,34 @@ def test_a_restart_voids_what_was_before_and_can_be_withdrawn():
     assert (book.total(), book.value("Finds an object")) == ("20", 2)
     (void,) = [entry for entry in book.book.sheet.history if entry.void]
     assert (void.number, str(void.void)) == (1, "Finds an object (0:30.0): void because of: Restart")
+    kept = BookState(SheetState(list(book.book.sheet.history)))  # as a record has it
+    for each in (book, Book(state=kept)):
+        each.withdraw(2)
+        assert (each.total(), each.value("Finds an object")) == ("50", 5)
+        assert not any(entry.void for entry in each.book.sheet.history)
+
+
+@pytest.mark.parametrize("voids, below, total", [
+    (Voids.EARLIER_POINTS, None, "-40"),  # one penalty is left
+    (Voids.EARLIER, Decimal(25), "0"),  # 20 points so far
+    (Voids.EARLIER, Decimal(20), "-20")])
+def test_what_corrects_a_count_belongs_to_its_row(voids, below, total):
+    sheet = Sheet((Item("table", TABLE, amount=Measure.SECTION), Item("finds", "Finds", "table", points=Decimal(10)),
+                   Item("drops", "Drops", "table", points=Decimal(-40))),
+                  (Incident("restart", below=below, voids=voids),))
+    book = Book(sheet)
+    for clock_s, desc, added in ((1, "Finds", "3"), (3, "Finds", "-1"), (5, "Drops", "2"), (7, "Drops", "-1")):
+        book.at(clock_s, desc, added=added)
+    assert book.incident(9, "restart").total() == total
+
+
+def test_nobody_takes_away_more_than_there_is():
+    removed = Incident("removed", voids=Voids.LATER)
+    book = Book(replace(SHEET, incidents=(removed,))).at(1, "Drops an object", added="1").incident(2, "removed")
+    book.at(3, "Drops an object", 0).at(5, "Drops an object", added="-1")  # both are void
     book.withdraw(2)
-    assert (book.total(), book.value("Finds an object")) == ("50", 5)
-    assert not any(entry.void for entry in book.book.sheet.history)
+    assert (book.value("Drops an object"), book.total()) == (0, "0")
+    assert book.at(7, "Finds an object", added="1").total() == "10"
 
 
 def test_a_restart_that_comes_too_late_has_no_effect():

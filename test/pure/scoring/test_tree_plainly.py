@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import pytest
 
+from helpers.plain_points import gross, plain_points, value
 from roah_rsbb.model.rules import Condition, Incident, Item, ItemChoice, Measure, Sheet, Voids
 from roah_rsbb.scoring.tree import Course, Happened, SheetMark, count
 
@@ -111,6 +112,7 @@ def plain_total(sheet, course):
     rules = {each.name: each for each in sheet.incidents}
     live, counted, paused, restarting, removed, lost, allowed = [], 0, False, None, False, False, 0
     due, until, shown, restarts_at = None, None, {}, []
+    refused = [mark for mark in course.marks if mark.refused]
     for now in range(1, 400):
         counted += 0 if paused else 1
         for mark in course.marks:
@@ -127,7 +129,7 @@ def plain_total(sheet, course):
                 paused = False
             elif name == "restart":
                 is_allowed = (rule.times is None or allowed < rule.times) and (
-                    rule.below is None or gross(sheet, live, rule.net, course) < rule.below)
+                    rule.below is None or so_far(sheet, live, rule.net, refused) < rule.below)
                 if rule.marks:
                     shown["restarted"] = shown.get("restarted", 0)
                 if is_allowed:
@@ -156,7 +158,11 @@ def plain_total(sheet, course):
         items = {item.id: item for item in sheet.items}
         scored = [mark for mark in live if value(items[mark.item], mark) > 0]
         shown["restarted"] = sum(any(mark.at_s is None or mark.at_s > at for mark in scored) for at in restarts_at)
-    return plain_points(sheet, live, shown, course)
+    return plain_points(sheet, live, shown, refused)
+
+
+def so_far(sheet, live, net, refused):
+    return plain_points(sheet, live, {}, refused) if net else gross(sheet, live, refused)
 
 
 def voids(rules, sheet, mark):
@@ -164,134 +170,6 @@ def voids(rules, sheet, mark):
     item = next(item for item in sheet.items if item.id == mark.item)
     how = rules["restart"].voids
     return how is Voids.EARLIER or (how is Voids.EARLIER_POINTS and value(item, mark) >= 0)
-
-
-def value(item, mark):
-    """What a mark is worth alone."""
-    if item.amount is Measure.CHOICE:
-        return next(each.points for each in CHOICES if each.name == mark.text)
-    return Fraction((item.points or 0) if item.percent is None else item.percent) * mark.number
-
-
-def gross(sheet, live, net, course):
-    if net:
-        return plain_points(sheet, live, {}, course)
-    kept = [mark for mark in live if mark.number > 0]
-    items = tuple(replace(item, points=Decimal(0), percent=None)
-                  if (item.points or 0) < 0 or (item.percent or 0) < 0 else item for item in sheet.items)
-    return plain_points(Sheet(items), kept, {}, course)
-
-
-# -- a sheet, mark by mark --------------------------------------------------------------------------
-
-
-def plain_points(sheet, live, shown, course):
-    items = {item.id: item for item in sheet.items}
-
-    def units(name):
-        """Each single time of a row: its part, and when; before conditions."""
-        found = []
-        for mark in live:
-            if mark.item == name:
-                if items[name].amount in (Measure.YES, Measure.CHOICE):
-                    found = []
-                found += [(mark.share, mark.at_s)] * abs(int(mark.number))
-        return [(Fraction(1), None)] * shown[name] if name in shown else found
-
-    def barred(item):
-        for need in item.needs:
-            if need.since == 1 and not need.each and not met(need):
-                return True
-        return any(met(need) for need in item.unless if not need.each) or any(
-            met(Condition(other.id)) for other in sheet.items if item.id in other.withholds)
-
-    def met(need):
-        item = items[need.item]
-        if item.amount is Measure.CHOICE and need.least is None:
-            return choice(item) > 0
-        if item.amount is Measure.POINTS:
-            total = 0 if barred(item) else sum(mark.number for mark in live if mark.item == item.id)
-            return total != 0 if need.least is None else total >= need.least
-        total = sum(part for part, _ in given(item))
-        return total != 0 if need.least is None else total >= need.least
-
-    def given(item):
-        found = [] if barred(item) else units(item.id)
-        found = found if item.times is None else found[:item.times]
-        for need in item.unless:
-            if need.each:
-                taken = len(given(items[need.item]))
-                refused = sum(int(m.number) for m in course.marks if m.refused and m.item == item.id)
-                found = found[:max(0, len(found) - max(0, taken - refused))]
-        for need in item.needs:
-            if need.each:
-                found = found[:len(given(items[need.item]))]
-            elif need.since == 2 and not met(need):
-                found = found[:1]
-            elif need.after:
-                begin = min((mark.at_s or 0 for mark in live if mark.item == need.item), default=0)
-                moments = [mark.at_s for mark in live if mark.item == item.id for _ in range(abs(int(mark.number)))]
-                early = sum(at is not None and at < begin for at in moments[1:])
-                found = found[:max(1, len(found) - early)]
-        return found
-
-    def choice(item):
-        text = next((mark.text for mark in reversed(live) if mark.item == item.id), "")
-        found = next((int(each.points) for each in CHOICES if each.name == text), 0)
-        return 0 if barred(item) else found
-
-    def limited(item, points):
-        points = points if item.most is None else min(points, Fraction(item.most))
-        return points if item.least is None else max(points, Fraction(item.least))
-
-    def change(child, parts, base):
-        if child.percent is None:
-            return sum(parts, Fraction(0)) * Fraction(child.points or 0)
-        left = base
-        for part in parts:
-            left += (left if child.compounding else base) * part * Fraction(child.percent) / 100
-        return left - base
-
-    def points(item):
-        children = [child for child in sheet.items if child.under == item.id]
-        if item.each:
-            return each_time(item, children)
-        if item.amount is Measure.POINTS:
-            own = 0 if barred(item) else sum((mark.number for mark in live if mark.item == item.id), Fraction(0))
-        elif item.amount is Measure.CHOICE:
-            own = choice(item)
-        else:
-            own = sum((part for part, _ in given(item)), Fraction(0)) * Fraction(item.points or 0)
-        total = Fraction(0) if item.amount is Measure.SECTION else Fraction(own)
-        for child in () if barred(item) else children:
-            total += (points(child) if child.percent is None else
-                      change(child, [part for part, _ in given(child)], total))
-        return limited(item, total)
-
-    def each_time(item, children):
-        times = [(part, {}) for part, _ in given(item)]
-        seen, left = 0, {child.id: [part for part, _ in given(child)] for child in children}
-        for mark in live:
-            for _ in range(abs(int(mark.number))):
-                if mark.item == item.id:
-                    seen = min(seen + 1, len(times))
-                elif left.get(mark.item) and times:
-                    before = times[:seen] or times[:1]
-                    free = [own for _, own in before if mark.item not in own]
-                    (free[-1] if free else before[-1][1]).setdefault(mark.item, []).append(left[mark.item].pop(0))
-        total = Fraction(0)
-        for part, own in times:
-            worth = Fraction(item.points or 0) * (1 if item.share_of_all else part)
-            for child in children:
-                worth += change(child, own.get(child.id, []), worth)
-            total += limited(item, worth * part if item.share_of_all else worth)
-        return total
-
-    total = Fraction(0)
-    for item in sheet.items:
-        if not item.under:
-            total += points(item)
-    return total
 
 
 @pytest.mark.parametrize("seed", range(40))

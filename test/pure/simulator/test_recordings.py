@@ -97,7 +97,7 @@ def _is_taken_over(hall):
 
 def _plays(monkeypatch, tmp_path, story):
     events = [event("HWV", timeout=600.0), event("HWV", timeout=600.0, round=2)]
-    monkeypatch.setattr(simulated, "_competition", lambda draw, zones: competition(a=events))
+    monkeypatch.setattr(simulated, "_competition", lambda *draws: competition(a=events))
     halls = (Hall(seed, tmp_path / str(seed), story) for seed in itertools.count())
     next(hall for hall in halls if hall.standby is not None).run()
 

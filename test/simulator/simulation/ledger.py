@@ -7,6 +7,8 @@ nothing of how the box does it. A run changes because of a referee, its robot or
 import contextlib
 import re
 from decimal import Decimal
+from fractions import Fraction
+from types import SimpleNamespace
 
 from roah_rsbb.core.runs.run import Run
 from roah_rsbb.model.reason import Refused, RunName
@@ -14,6 +16,7 @@ from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.rulebook.benchmarks import Restarts
 
 from .scheduler import Ended
+from .sheets import Counts, Plain, plain_values
 
 # Within this time, the box counts a run's time as a watch does. More, where one computer's clock stands for another's.
 CLOCK_S, OTHER_CLOCK_S = 0.1, 0.4
@@ -22,7 +25,7 @@ LEAVE = {"disconnect", "next", "previous", "no_show", "withdrawn", "connect", "o
 GO = {"start", "continue"}
 PHASES = {"next_phase": 1, "previous_phase": -1}
 # Entries whose answer waits for the disk, or for both.
-DURABLE = {"mark", "withdraw", "take_back", "stop_reason", "sign_off", "submit", "hand_back", "waive"}
+DURABLE = {"mark", "withdraw", "take_back", "in_time", "stop_reason", "sign_off", "submit", "hand_back", "waive"}
 # What judges and the head referee do with a judge's sheet, as the record has it.
 JUDGED = {"submit": "submitted", "hand_back": "handed back", "waive": "waived missing judges"}
 ENDED_BY = {
@@ -41,14 +44,30 @@ class Act:
 
 
 class Kept:
-    """Something that must not be lost: what it is, and who did it."""
+    """An entry of a sheet: what it is, and who did it."""
 
-    def __init__(self, act):
+    def __init__(self, act, row, made):
         self.act = act
         self.withdrawn = None  # the act that did
+        self.said = []  # acts that said whether it was in time
+        self.clock_s = None  # the counted time at which it was made, as the box has it
+        self.made = made  # ... and as it must be: at the earliest and the latest; None: not known
+        self.is_after_limit = False  # the run had timed out
         given = act.given
-        self.key = given.get("group"), given.get("desc")
-        self.value, self.added = given.get("value"), given.get("added")
+        self.key, self.added = row.key, given.get("added")
+        self.value = given.get("value")
+        if "text" in given:
+            self.value = 1 + [choice.name for choice in row.choices].index(given["text"])
+
+    @property
+    def is_withdrawn(self):
+        """Whether a referee withdrew it."""
+        return self.withdrawn is not None
+
+    @property
+    def is_in_time(self):
+        """Whether a referee said so."""
+        return bool(self.said) and not self.said[-1].given["late"]
 
 
 class Watch:
@@ -84,6 +103,7 @@ class Believed:
         self.final = None  # its time at its last end, at the earliest and the latest; None: not known any more
         self.is_left = self.is_doubted = False
         self.record = None  # as it was seen last
+        self._counted = ()  # the entries that were counted last, and what they give
 
     @property
     def counts(self):
@@ -129,11 +149,42 @@ class Believed:
 
     def values(self):
         """Those of all items that were marked."""
-        values = {}
-        for kept in self.entries:
-            if kept.withdrawn is None:
-                values[kept.key] = values.get(kept.key, 0) + int(kept.added) if kept.added else kept.value
-        return values
+        return self.counted().values
+
+    def counted(self):
+        """What its entries give."""
+        known = [(kept, kept.is_withdrawn, kept.is_in_time, kept.clock_s) for kept in self.entries]
+        if not self._counted or self._counted[0] != known:
+            self._counted = known, self._count()
+        return self._counted[1]
+
+    def _count(self):
+        benchmark = self.event.benchmark
+        if benchmark.sheet.items:
+            return Plain(benchmark.sheet, benchmark.scoring, self.entries).counts()
+        values = plain_values(kept for kept in self.entries if not kept.is_withdrawn)
+        points = {row.key: row.points for row in benchmark.scoring}
+        return Counts(values, set(), set(), sum((points[key] * value for key, value in values.items()), Decimal(0)))
+
+    def row(self, given):
+        """The row of its sheet that is marked."""
+        return next(row for row in self.event.benchmark.scoring if row.key == (given["group"], given["desc"]))
+
+    def after(self, given):
+        """The value of a row after a mark."""
+        kept = Kept(SimpleNamespace(given=given), self.row(given), None)
+        return self.values().get(kept.key, 0) + int(kept.added) if kept.added else kept.value
+
+    def made(self, now):
+        """The counted time of an entry that is made now, at the earliest and the latest; None: not known."""
+        limit = self.event.benchmark.total_timeout
+        if self.phase is Phase.RUNNING:
+            return (min(self.watch.read(now), limit),) * 2
+        if self.phase is Phase.CONNECTED or self.final is None:
+            return (0.0, 0.0) if self.phase is Phase.CONNECTED else None
+        # After the time limit, the time of day counts.
+        first, last = (min(at, limit) for at in self.final)
+        return first, last if last < limit - CLOCK_S - self.watch.unsure_s else float("inf")
 
 
 class Ledger:
@@ -220,8 +271,15 @@ class Ledger:
         if act.name == "stop" and run.phase is Phase.RUNNING:
             self._fail("STOP", f"refused for {run.identity}: {reasons}")
         is_scored = run.sign_off is None and run.event.benchmark.judges is None
-        if act.name == "mark" and is_scored and (run.phase is not Phase.CONNECTED or not run.is_left):
+        if act.name == "mark" and is_scored and (run.phase is not Phase.CONNECTED or not run.is_left) and (
+                self._is_possible(act, run)):
             self._fail("mark refused", f"{run.identity}: {reasons}")
+
+    @staticmethod
+    def _is_possible(act, run):
+        """Whether a row can have the value of a mark."""
+        most, value = run.row(act.given).most, run.after(act.given)
+        return value >= 0 and (most is None or value <= most)
 
     def _entered(self, act, run):
         """An entry was made."""
@@ -232,14 +290,19 @@ class Ledger:
             self._fail("sign-off", f"{act.name} in {run.identity}, which is signed off")
         entries = run.entries
         if act.name == "mark":
-            kept = Kept(act)
-            if not self._is_repeated(act, run) and (kept.added or kept.value != run.values().get(kept.key, 0)):
+            kept, is_repeated = Kept(act, run.row(act.given), run.made(act.at)), self._is_repeated(act, run)
+            kept.is_after_limit = run.phase is Phase.ENDED and run.reason is EndReason.TIMEOUT
+            if not is_repeated and not self._is_possible(act, run):
+                self._fail("mark", f"{run.identity} takes {act.given}, and has {run.values()}")
+            if not is_repeated and (kept.added or kept.value != run.values().get(kept.key, 0)):
                 entries.append(kept)
                 # A mark that was lost and is sent again is there once.
                 run.ever = [each for each in run.ever if each.act.given["id"] != act.given["id"]] + [kept]
             run.taken.setdefault(act.given["id"], act)
         elif act.name == "withdraw":
             entries[act.given["entry"] - 1].withdrawn = act
+        elif act.name == "in_time":
+            entries[act.given["entry"] - 1].said.append(act)
         elif act.name == "take_back":
             kept = next((kept for kept in entries if kept.act.given["id"] == act.given["id"]), None)
             if kept is not None and kept.withdrawn is None:
@@ -329,6 +392,7 @@ class Ledger:
             if record is not None and not record.end_reason:
                 self._fail("run", f"{believed.identity} was left, and has no end")
             believed.phase, believed.reason = Phase.ENDED, EndReason.STOPPED
+            believed.final = (believed.watch.read(now if acting is None else acting.at),) * 2
         if acting is not None and acting.name.upper() in EndReason.__members__:
             believed.reason = EndReason[acting.name.upper()]
         believed.turn(now)
@@ -478,22 +542,44 @@ class Ledger:
             if bool(entry.withdrawn_utc) is not (kept.withdrawn is not None):
                 self._fail("withdrawal", f"{identity}: entry {entry.number} is {'' if entry.withdrawn_utc else 'not '}"
                                          "withdrawn")
+            self._check_time(identity, entry, kept, believed)
         judged = [(act.act, act.judge) for act in record.judging.acts]
         if judged != [(JUDGED[act.name], act.given.get("judge", "")) for act in believed.judged]:
             self._fail("judges", f"{identity} has {judged}, and not {[each.name for each in believed.judged]}")
-        values, total = believed.values(), Decimal(0)
+        counts = believed.counted()
+        for place, (entry, kept) in enumerate(zip(history, believed.entries)):
+            is_void = not kept.is_withdrawn and place in counts.void | counts.late
+            if bool(entry.void) is not is_void:
+                self._fail("void", f"{identity}: entry {entry.number} is void: {entry.void or 'no'}, of {counts}")
         for item in record.items:
-            if item.value != values.get(item.key, 0):
-                self._fail("points", f"{identity}: {item.desc} is {item.value} instead of {values.get(item.key, 0)}")
-            points = next(each.points for each in believed.event.benchmark.scoring if each.key == item.key)
-            total += points * values.get(item.key, 0)
-        if record.points is not None and total != Decimal(record.points.total):
-            self._fail("points", f"{identity} has {record.points.total} instead of {total}")
+            if item.value != counts.values.get(item.key, 0):
+                self._fail("points", f"{identity}: {item.desc} is {item.value}, not {counts.values.get(item.key, 0)}")
+        if record.points is not None and counts.total != Fraction(record.points.total):
+            self._fail("points", f"{identity} has {record.points.total} instead of {counts.total}")
         if (record.sign_off is not None) is not (believed.sign_off is not None):
             self._fail("sign-off", f"{identity} is {'' if record.sign_off else 'not '}signed off")
         given = believed.reasons.get("last")
         if given is not None and given.given["reason"] not in [stop.reason for stop in record.stops]:
             self._fail("reason", f"{identity} has no {given.given['reason']!r}")
+
+    def _check_time(self, identity, entry, kept, believed):
+        """An entry has the counted time at which it was made, and only of a late one it is said whether it was in
+        time."""
+        said = kept.said[-1].who if kept.said else ""
+        if (entry.in_time, entry.in_time_by) != (kept.is_in_time, said):
+            self._fail("in time", f"{identity}: entry {entry.number} is {entry.in_time}, by {entry.in_time_by!r}")
+        limit = believed.event.benchmark.sheet.limit_s
+        if said and (limit is None or entry.clock_s <= limit):
+            self._fail("in time", f"{identity}: entry {entry.number} of {entry.clock_s} s was not late")
+        if kept.clock_s is None and kept.made is not None:
+            first, last = kept.made
+            most = CLOCK_S + believed.watch.unsure_s
+            is_too_early = limit is not None and kept.is_after_limit and entry.clock_s <= limit
+            if not first - most <= entry.clock_s <= last + most or is_too_early:
+                self._fail("time of an entry", f"{identity}: {entry.clock_s} s, not {first:.2f} to {last:.2f} s")
+        elif kept.clock_s not in (None, entry.clock_s):
+            self._fail("time of an entry", f"{identity}: was {kept.clock_s} s, and is {entry.clock_s} s")
+        kept.clock_s = entry.clock_s
 
     # -- losses -------------------------------------------------------------------------------------
 
@@ -563,6 +649,8 @@ class Ledger:
         for kept, entry in zip(believed.entries, record.history):
             if kept.withdrawn is not None and not entry.withdrawn_utc and not self._must_be_there(kept.withdrawn):
                 kept.withdrawn = None
+            while kept.said and kept.said[-1].who != entry.in_time_by and not self._must_be_there(kept.said[-1]):
+                kept.said.pop()
         kept = len(record.judging.acts)
         believed.judged = [act for number, act in enumerate(believed.judged)
                            if number < kept or self._must_be_there(act)]

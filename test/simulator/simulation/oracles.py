@@ -23,6 +23,7 @@ BOTH_S = 1.0
 CLOSELY = 4
 # A box that did not run for so long asks the one that took over, for so long, before it sends anything.
 AWAY_S, ASKS_S = 1.6, 1.9
+STARTS_S = 0.45  # so does one that starts
 # What the loss of the newest records may cost.
 CLOCK_S = 0.3
 
@@ -49,6 +50,7 @@ class Oracles:
 
         self._looks = 0
         self._superseded = set()  # boxes that know it
+        self._resumed_at = {}  # when the present core of a box has resumed
         self._sent = {}  # when a box sent last to robots, by its host
         self._both_since = None
         self._is_other, self._taken_at = False, 0.0  # whether another box took over, and when
@@ -73,8 +75,11 @@ class Oracles:
         if self._is_other and port != STANDBY_PORT and source in self._hosts():
             now = self._sent[source] = self._world.scheduler.now
             process = self._world.boxes[0].process
+            # One that has slept before it resumed only starts.
+            box = self._world.boxes[0]
+            has_run = box.core is not None and self._resumed_at.get(box, now) < process.woke.at
             if source == self._hosts()[0] and process.woke.hung_s > AWAY_S and self._taken_at < process.woke.at and (
-                    now < process.woke.at + ASKS_S):
+                    now < process.woke.at + (ASKS_S if has_run else STARTS_S)):
                 self.fail("woken box", f"sends to port {port}, {now - process.woke.at:.2f} s after it woke, and did "
                                        f"not run for {process.woke.hung_s:.1f} s")
 
@@ -160,6 +165,7 @@ class Oracles:
 
     def resumed(self, box, core):
         """A core continues."""
+        self._resumed_at[box] = self._world.scheduler.now
         if box in self._superseded and not core.box.authority.is_superseded:
             self.fail("superseded", f"{box.computer.name} is not any more after its restart")
         if box is not self._world.box:

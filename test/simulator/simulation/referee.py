@@ -8,11 +8,12 @@ from roah_rsbb.document.calls import Caller, Waiting, carried_out, waited
 from roah_rsbb.journal.store import SYNC_TIMEOUT_S
 from roah_rsbb.model.reason import decode
 from roah_rsbb.model.records import Phase
-from roah_rsbb.model.scoring import ScoreKind
+from roah_rsbb.model.scoring import INCIDENTS, ScoreKind
 from roah_rsbb.rulebook.benchmarks import Durable
 
 from .disk import NotYet
 from .ledger import DURABLE, Act
+from .sheets import INCIDENT_WEIGHTS
 
 # How long a call takes on its way, each way.
 SHORTEST_S, LONGEST_S = 0.001, 0.01
@@ -90,13 +91,30 @@ class Referee:
         if known is not None and known.event.benchmark.judges:
             self._judge(zone, identity)
             return
-        item = random.choice((run or self.box.core.box.zones[zone]).event.benchmark.scoring)
+        event = self.box.core.box.zones[zone].event if known is None else known.event
+        item = random.choice(event.benchmark.scoring)
+        if event.benchmark.sheet.items:
+            item = self._row(event.benchmark)
         given = {"group": item.group, "desc": item.desc, "id": str(next(self._numbers)), "role": "referee"}
         if item.kind is ScoreKind.UINT and random.random() < 0.7:
-            given["added"] = random.choice(("1", "1", "2"))
+            given["added"] = random.choice(("1", "1", "2") if not item.id else ("1", "1", "2", "-1"))
+        elif item.choices and random.random() < 0.7:
+            given["text"] = random.choice(item.choices).name
+        elif item.choices:
+            given["value"] = 0
         else:
-            given["value"] = random.randint(0, 1 if item.kind is ScoreKind.BOOL else 5)
+            given["value"] = random.choice((0, 40, 80, 100)) if item.kind is ScoreKind.DECIMAL else random.randint(
+                0, 1 if item.kind is ScoreKind.BOOL else 5)
         self._send_mark(zone, identity, given)
+
+    def _row(self, benchmark):
+        """A row of a sheet with incidents, which are rarer. What an incident marks is not marked as a row."""
+        if self.random.random() < 0.25:
+            name = self.random.choices(*zip(*INCIDENT_WEIGHTS.items()))[0]
+            return next(row for row in benchmark.scoring if (row.group, row.id) == (INCIDENTS, name))
+        marked = {rule.marks for rule in benchmark.sheet.incidents}
+        return self.random.choice([
+            row for row in benchmark.scoring if row.group != INCIDENTS and row.id not in marked])
 
     def _send_mark(self, zone, identity, given):
         def answered(why):
@@ -115,7 +133,17 @@ class Referee:
         random = self.random
         identity, what = random.choice(self._seen[zone]), random.random()
         run = self.world.ledger.runs.get(identity)
-        if what < 0.4:
+        known = [self.world.ledger.runs[each] for each in self._seen[zone] if each in self.world.ledger.runs]
+        late = [(each.identity, number) for each in known for number, kept in enumerate(each.entries, 1)
+                if each.sign_off is None and (kept.said or number - 1 in each.counted().late)]
+        has_incidents = run is not None and bool(run.event.benchmark.sheet.items and run.entries)
+        if late and random.random() < 0.6:
+            identity, number = random.choice(late)
+            self._call("in_time", zone, identity, {"entry": number, "late": random.random() < 0.3})
+        elif has_incidents and random.random() < 0.5:
+            name, number = random.choice(("withdraw", "withdraw", "in_time")), random.randint(1, len(run.entries))
+            self._call(name, zone, identity, {"entry": number, **({"late": False} if name == "in_time" else {})})
+        elif what < 0.4:
             self._call("withdraw", zone, identity, {"entry": random.randint(1, 4)})
         elif what < 0.6 and run is not None and run.entries:
             self._call("take_back", zone, identity, {"id": random.choice(run.entries).act.given["id"]})

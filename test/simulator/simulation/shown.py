@@ -67,6 +67,10 @@ class Shown:
         if {(item.group, item.desc): item.value for item in seen.items} != {
                 item.key: values.get(item.key, 0) for item in believed.event.benchmark.scoring}:
             self._fail("shown", f"{identity} shows {seen.items} instead of {values}")
+        counts = believed.counted()
+        late = {number - 1 for item in seen.items for number in item.late}
+        if not counts.late <= late <= counts.late | counts.void:
+            self._fail("shown", f"{identity} shows {sorted(late)} as late: {counts}")
         self._check_times(seen, believed, mono, most)
         off = {name: bool(shown.off) for name, shown in seen.actions.items()}
         if off["stop"] is is_running:

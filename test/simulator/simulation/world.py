@@ -11,7 +11,7 @@ from decimal import Decimal
 from typing import NamedTuple
 
 from helpers.competition import benchmark, competition
-from roah_rsbb.model.scoring import JudgesRule, ScoreKind, ScoringItem
+from roah_rsbb.model.scoring import JudgesRule, ScoreKind, ScoringItem, rows
 from roah_rsbb.rulebook.benchmarks import Durable, EventRules, PhaseRule, Restarts, ScheduledEvent
 
 from .air import Air
@@ -22,6 +22,7 @@ from .oracles import Oracles
 from .referee import Referee
 from .robots import Robot
 from .scheduler import UTC0, Computer, Scheduler
+from .sheets import drawn_sheet
 from .shown import Shown
 from .standby import PORT, Standby
 from .trace import Trace
@@ -35,6 +36,8 @@ BOTH_WAYS = 4
 GARBAGE = 200_000
 # Seconds without troubles and without referees at the end.
 CALM_S = 12.0
+# The limit of runs of which many time out, and so have late marks.
+LATE_S = 4.0
 SCORING = (
     ScoringItem("Achievements", "detects the door", ScoreKind.BOOL, Decimal("10")),
     ScoringItem("Achievements", "changed objects", ScoreKind.UINT, Decimal("2.5")),
@@ -74,7 +77,7 @@ class World:
         self.trace = Trace(self.scheduler, folder)
         self.air = Air(self.scheduler, random.Random(f"{seed} air"), self.trace)
         self.clocks_were_set = set()  # names of robots
-        self.config = _competition(draw, 0 if size is None else size.zones)
+        self.config = _competition(draw, 0 if size is None else size.zones, random.Random(f"{seed} sheets"))
         has_standby = draw.random() < 0.4
         if has_standby and draw.random() < 0.6:
             self.config = replace(self.config, durable=Durable.TWO)
@@ -169,8 +172,9 @@ class World:
             raise self.scheduler.bugs[0]
 
 
-def _competition(draw, large):
+def _competition(draw, large, draw_sheet):
     """`large`: number of zones; 0: as seeds have."""
+    has_sheets = draw_sheet.random() < 0.6
     codes = ("HGTKMH", "HCFGAC", "HWV")
     if large:
         teams = tuple(f"T{number}" for number in range(large))
@@ -186,7 +190,18 @@ def _competition(draw, large):
                                      judges=JudgesRule(2) if draw.random() < 0.15 else None),
                            team, 1, number, UTC0 + 60.0 * number)
             for number, team in enumerate(draw.choices(those, (2, 2, 1)[:len(those)], k=draw.randint(1, 4)), 1))
+        if has_sheets:
+            zones[name] = tuple(replace(event, benchmark=_with_sheet(event.benchmark, draw_sheet))
+                                for event in zones[name])
     return competition(teams=teams, **zones)
+
+
+def _with_sheet(benchmark, draw):
+    if benchmark.judges is not None or draw.random() < 0.2:
+        return benchmark
+    limit_s = draw.choice((LATE_S, benchmark.total_timeout))
+    sheet = drawn_sheet(draw, limit_s)
+    return replace(benchmark, timeout=limit_s, total_timeout=limit_s, sheet=sheet, scoring=rows(sheet))
 
 
 def _rules(draw):
