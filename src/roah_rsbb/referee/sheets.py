@@ -10,7 +10,7 @@ from roah_rsbb.model.results import JudgedRun, Judging, RunLine
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import IDLE, SheetItem
 from roah_rsbb.referee import view
-from roah_rsbb.referee.at_once import Exit
+from roah_rsbb.referee.at_once import ROLE, Exit
 from roah_rsbb.referee.state import run_json, sheet_json
 from roah_rsbb.referee.terminal import (
     BY,
@@ -34,6 +34,7 @@ from roah_rsbb.referee.words import NOT_ATTEMPTED, BadWord, pick_item, value_of
 from roah_rsbb.scoring.publication import MAX_OBJECTION_TIME_S
 from roah_rsbb.wording import judging
 from roah_rsbb.wording.texts import escaped
+from roah_rsbb.wording.timeline import page_item, timeline, timeline_line
 
 LAST = "last"
 COMMANDS, _ACTIONS = Commands(), Commands()
@@ -99,6 +100,35 @@ def show_sheet(call: Call) -> Exit:
 def _shown(call: Call, zone: str, identity: str, command: str = "") -> Exit:
     sheet = call.link.run_sheet(zone, identity)
     return call.done(view.sheet_lines(sheet, call.output.style), command, zone=zone, sheet=sheet_json(sheet))
+
+
+@COMMANDS.add("timeline", "show what happened in a run: marks, notes, stops, starts, pauses, the latest first",
+              ["'Home A'", "'Home A' --run last"], ZONE, OF_RUN)
+def _timeline(call: Call) -> Exit:
+    zone, identity = which(call)
+    style = call.output.style
+    items = timeline(call.link.run_sheet(zone, identity).timeline, style.moments.stamp)
+    return call.output.show({"timeline": [page_item(item) for item in items]}, [
+        escaped(timeline_line(item)) for item in items])
+
+
+@COMMANDS.add("note", "note this moment of a run, or enter the text of a note",
+              ["'Home A'", "'Home A' 'took the wrong cup'", "'Home A' 'took the cup' --number 3 --run last"], ZONE,
+              argument("text", nargs="?", default="", metavar="TEXT", help="the text; it can be entered later"),
+              argument("--number", metavar="N", type=counted, help="number of the note whose text this is"), BY, OF_RUN)
+def _note(call: Call) -> Exit:
+    zone, identity = which(call)
+    call.act("note", {**given_in(call.options, ENTRIES["note"]), "role": ROLE}, identity)
+    return _timeline(call)
+
+
+@COMMANDS.add("decide", "accept or drop a mark that was made before the sign-off and arrived after it",
+              ["'Home A' 1 --accept --run last --by Anna", "'Home A' 1 --run last --reason 'counted twice' --by Anna"],
+              ZONE, argument("number", type=counted, help="number of the proposal ('timeline' shows it)"),
+              switch("--accept", "it counts, and you sign the new sheet (default: it is dropped)"),
+              text("--reason", "why; it is kept with the score sheet"), MUST_BY, OF_RUN)
+def _decide(call: Call) -> Exit:
+    return _entered(call, "decide")
 
 
 @COMMANDS.add("withdraw", "withdraw an entry of the history", ["'Home A' 3 --note 'another robot'"], ZONE,

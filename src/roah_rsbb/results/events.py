@@ -56,6 +56,8 @@ def in_order(result: RunResult) -> Iterator[Tuple[str, SectionLine]]:
                 yield _OTHER, _run_event(result, entry, f"{entry.kind}: {value_text(entry.value)}")
             continue
         title, wording = known
+        if entry.kind == Kind.COMMAND and _dict(entry.value).get("command") == "note":
+            title = _NOTES
         text = wording(memory, entry)
         if text:
             yield title, _run_event(result, entry, text)
@@ -199,6 +201,7 @@ _STATES = "Timeline of states"
 _GOALS = "Goals and results"
 _OPERATIONS = "Manual operations"
 _COMMANDS = "Referee's commands"
+_NOTES = "Notes"
 _JUDGES = "Judges"
 _OBJECTIONS = "Objections"
 _ONLINE_DATA = "Online data"
@@ -207,7 +210,8 @@ _WARNINGS = "Warnings"
 _OTHER = "Other"
 SCORES = "Scores"
 TITLES = (
-    _STATES, _GOALS, _OPERATIONS, SCORES, _COMMANDS, _JUDGES, _OBJECTIONS, _ONLINE_DATA, _DEVICES, _WARNINGS, _OTHER,
+    _STATES, _GOALS, _OPERATIONS, SCORES, _NOTES, _COMMANDS, _JUDGES, _OBJECTIONS, _ONLINE_DATA, _DEVICES, _WARNINGS,
+    _OTHER,
 )
 
 _WORDINGS: Dict[str, Tuple[str, _Wording]] = {

@@ -21,12 +21,15 @@ from roah_rsbb.results.runs import (
     without_step,
 )
 from roah_rsbb.rulebook.standing_rules import Rules
+from roah_rsbb.scoring.timeline import run_timeline
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.sheets import counting_text, scores_by_group
 from roah_rsbb.wording.texts import one_line as line
+from roah_rsbb.wording.timeline import TimelineItem, said_of, timeline, timeline_line
 from roah_rsbb.wording.times import NOTHING, date_time, elapsed, optional_date_time, time_with_tenths
 
 _JUDGES, _OBJECTIONS, _OUTAGES = "Sheets of the judges", "Objections", "Box away"
+_TIMELINE = "Timeline"
 # Begin and end of struck-through text, on terminals that support it.
 _STRUCK, _PLAIN = "\033[9m", "\033[29m"
 
@@ -40,6 +43,7 @@ def sheet_lines(result: RunResult, in_utc: bool, strike: bool) -> Iterator[str]:
         yield f"{name + ':':14}{value}"
     yield from _items(record)
     yield from _history(record, in_utc, strike)
+    yield from _titled(_TIMELINE, [line(timeline_line(item)) for item in _items_of_timeline(record, in_utc)])
     yield from _judges(record, in_utc)
     yield from _stops(record, in_utc)
     for title, lines in scores_by_group(record.module_scores):
@@ -133,6 +137,11 @@ def _entries(record: RunRecord, in_utc: bool) -> Iterator[sheets.EntryTexts]:
         yield sheets.entry_texts(sheets.history_entry(entry, kind, unit), _when(in_utc))
 
 
+def _items_of_timeline(record: RunRecord, in_utc: bool) -> List[TimelineItem]:
+    """Return what happened in a run, the earliest first."""
+    return timeline(run_timeline(record), _when(in_utc))[::-1]
+
+
 def _history(record: RunRecord, in_utc: bool, strike: bool) -> Iterator[str]:
     def shown(entry: sheets.EntryTexts) -> str:
         text = sheets.entry_line(entry._replace(withdrawn=""))
@@ -194,7 +203,8 @@ def sheet_page(
     if appendix:
         annex = [
             tag("h1", "Appendix"), tag("p", title), facts_table(_page_facts(result, in_utc)),
-            *_items_markup(record), *_modules_markup(record), *_history_markup(record, in_utc),
+            *_items_markup(record), *_modules_markup(record), *_timeline_markup(record, in_utc),
+            *_history_markup(record, in_utc),
             *_judges_markup(record, in_utc), *_stops_markup(record, in_utc),
             *(_section(section, in_utc) for section in sections(result)),
             *(part for robot in steady.robots for part in _link(steady, robot, in_utc, clock)),
@@ -250,6 +260,15 @@ def _history_markup(record: RunRecord, in_utc: bool) -> Iterator[Markup]:
     yield table(("No.", "When", "Who", "What", "Change", "Note"), [
         _change(entry) for entry in _entries(record, in_utc)
     ], ("number", "when", "who", "what", "change"))
+
+
+def _timeline_markup(record: RunRecord, in_utc: bool) -> Iterator[Markup]:
+    yield tag("h2", _TIMELINE)
+    yield table(("When", "Clock", "Who", "What", "Points"), [
+        (item.time, item.clock, ", ".join(filter(None, (item.who, item.role))),
+         "; ".join(filter(None, (f"{item.text} {item.change}".rstrip(), item.note, said_of(item)))), item.points)
+        for item in _items_of_timeline(record, in_utc)
+    ], ("when", "number", "who"))
 
 
 def _change(entry: sheets.EntryTexts) -> Tuple[Child, ...]:

@@ -135,14 +135,19 @@ def points_text(points: str) -> str:
     return number(points if points.startswith("-") or not points else f"+{points}").replace("-", "−")
 
 
+def said_of(item: TimelineItem) -> str:
+    """Return what is unusual about an item, in words; empty: nothing."""
+    return "; ".join(filter(None, (item.said, item.arrived if item.arrived not in item.said else "")))
+
+
 def timeline_line(item: TimelineItem, mark: Callable[[str], str] = str) -> str:
     """Return an item in one line; `mark` makes what is unusual stand out."""
     by = ", ".join(filter(None, (item.who, item.role)))
     what = " ".join(filter(None, (item.text, item.change, f"({item.points})" if item.points else "")))
-    said = list(filter(None, (item.said, item.arrived if item.arrived not in item.said else "")))
+    said = said_of(item)
     times = f"{item.time} {item.clock:>5}"
     return f"{times}  {what}{f': {item.note}' if item.note else ''}{f' – {by}' if by else ''}" + (
-        f"; {mark('; '.join(said))}" if said else "")
+        f"; {mark(said)}" if said else "")
 
 
 def page_item(item: TimelineItem) -> Dict[str, object]:

@@ -9,11 +9,11 @@ from helpers.competition import BUMPS, DOOR, competition, event
 from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.document import Documents
-from roah_rsbb.core.views.sheets import run_timeline
 from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
 from roah_rsbb.scoring.book import MAX_HAPPENED, MAX_NOTES
+from roah_rsbb.scoring.timeline import run_timeline
 from roah_rsbb.wording import timeline
 from roah_rsbb.wording.times import Moments
 

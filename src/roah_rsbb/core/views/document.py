@@ -24,6 +24,7 @@ from roah_rsbb.protocol import wire_seconds
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, Restarts, ScheduledEvent
 from roah_rsbb.scoring.counting import Why
 from roah_rsbb.scoring.points import CountedSheet
+from roah_rsbb.scoring.timeline import run_timeline
 
 LISTENS = say("Listening for another box before transmitting: {time} s")
 SEVERAL = say("Several robots of team {team} are active ({robots}): choose which one connects")
@@ -414,7 +415,7 @@ class Documents:
             if zone.run is not None:
                 made_of, known = (self._box.outbox.revision_of(zone.name), zone.run), before.get(zone.name)
                 self._timelines[zone.name] = known if known is not None and known[0] == made_of else (
-                    made_of, sheets.run_timeline(zone.run.record(now)))
+                    made_of, run_timeline(zone.run.record(now)))
         return {name: timeline for name, (_, timeline) in self._timelines.items()}
 
     def _judging(self, now: Now) -> Dict[str, Judging]:

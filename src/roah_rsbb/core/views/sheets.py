@@ -15,28 +15,23 @@ from roah_rsbb.model.results import (
     NOT_JUDGED,
     SETTLED,
     Given,
-    HistoryEntry,
     JudgedItem,
     JudgedRun,
     JudgeLine,
     Judging,
     ObjectionLine,
-    ProposedMark,
-    RunEnd,
     RunLine,
     RunSheet,
-    RunTimeline,
 )
 from roah_rsbb.model.rules import Number
-from roah_rsbb.model.scoring import INCIDENTS, Key, ScoreKind, ScoringItem, SheetForm
+from roah_rsbb.model.scoring import INCIDENTS, Key, ScoringItem, SheetForm
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.scoring.counting import Why
 from roah_rsbb.scoring.judges import ItemVerdict
 from roah_rsbb.scoring.points import text_of
+from roah_rsbb.scoring.timeline import run_timeline, type_of
 from roah_rsbb.scoring.tree import is_late
-from roah_rsbb.wording.sheets import GroupOfValues, history_entry, points_said, score_line, sums_text
-
-_TYPES = frozenset(kind.word for kind in ScoreKind)
+from roah_rsbb.wording.sheets import GroupOfValues, points_said, score_line, sums_text
 
 
 def sheet_items(
@@ -77,7 +72,7 @@ def _around(form: Optional[SheetForm]) -> Dict[Key, Dict[str, Any]]:
 
 
 def _item(record: ItemRecord, rule: Optional[ScoringItem], late: Tuple[int, ...]) -> SheetItem:
-    found = SheetItem(record.group, record.desc, _type(record), record.value, record.not_attempted, record.corrected,
+    found = SheetItem(record.group, record.desc, type_of(record), record.value, record.not_attempted, record.corrected,
                       record.text, record.points, late=late)
     if rule is None:
         return found
@@ -90,11 +85,6 @@ def _item(record: ItemRecord, rule: Optional[ScoringItem], late: Tuple[int, ...]
         jury=rule.jury.value if rule.judges else "", needs=tuple(desc for _, desc in rule.needs),
         unit=rule.unit, percent=_number(rule.percent),
     )
-
-
-def _type(record: ItemRecord) -> str:
-    """An item's type; unknown types are counts."""
-    return record.kind if record.kind in _TYPES else ScoreKind.UINT.word
 
 
 def _number(number: Number) -> str:
@@ -118,41 +108,12 @@ def run_line(record: RunRecord, why: Optional[Why]) -> RunLine:
 
 def run_sheet(record: RunRecord, why: Optional[Why]) -> RunSheet:
     """Return a run with its score sheet."""
+    happened = run_timeline(record)
     return RunSheet(
         run_line(record, why), tuple(record.robots), record.elapsed_s, _given_items(record),
-        _history(record), _ends(record), record.module_scores, record.points, record.timeline, record.outages,
-        _proposals(record),
+        happened.history, happened.ends, record.module_scores, record.points, happened.entries, happened.outages,
+        happened.proposals,
     )
-
-
-def run_timeline(record: RunRecord) -> RunTimeline:
-    """Return what happened in a run."""
-    signed = record.sign_off
-    return RunTimeline(
-        record.identity, record.opened_utc, _history(record), _ends(record), record.timeline, record.outages,
-        record.closed_utc or None, None if signed is None else signed.utc, "" if signed is None else signed.who,
-        _proposals(record))
-
-
-def _history(record: RunRecord) -> Tuple[HistoryEntry, ...]:
-    return tuple(entry._replace(late=is_late(entry.void)) if entry.void else entry
-                 for entry in _entries(record, record.history))
-
-
-def _entries(record: RunRecord, entries: Iterable[ScoreEntry]) -> Iterable[HistoryEntry]:
-    items = {item.key: (_type(item), item.unit) for item in record.items}
-    return (history_entry(entry, *items.get((entry.group, entry.desc), ("uint", ""))) for entry in entries)
-
-
-def _proposals(record: RunRecord) -> Tuple[ProposedMark, ...]:
-    entries = _entries(record, [each.entry for each in record.proposals])
-    return tuple(ProposedMark(each.number, entry, each.decided_utc or None, each.decided_by, each.accepted, each.reason)
-                 for each, entry in zip(record.proposals, entries))
-
-
-def _ends(record: RunRecord) -> Tuple[RunEnd, ...]:
-    return tuple(RunEnd(number, stop.utc, stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by,
-                        stop.clock_s) for number, stop in enumerate(record.stops, 1))
 
 
 def _given_items(record: RunRecord) -> Tuple[SheetItem, ...]:
