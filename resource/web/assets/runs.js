@@ -69,7 +69,7 @@ function WholeSheet({zone, run, marks, texts, undo, give, isFixed, hasItems}) {
         <details class="ends"><summary>${texts.ends}: ${sheet.ends.length}</summary>
           <ul>${sheet.ends.map((end) => html`
             <li key=${end.number}><p>${end.number}. ${end.text}${end.reason && `: ${end.reason}`}</p>
-              ${!isFixed && html`<${Asked} name="stop_reason" label=${texts.stop_reason} texts=${texts}
+              ${!isFixed && end.is_stop && html`<${Asked} name="stop_reason" label=${texts.stop_reason} texts=${texts}
                 act=${(reason) => enter("stop_reason", texts.stop_reason, {reason, stop: end.number})} />`}</li>`)}</ul>
         </details>
       </div>`}`;

@@ -34,7 +34,7 @@ _WIDE = re.compile("[A-ZmwÄÖÜ]")
 
 # Tokens of the web pages, for paper: a test compares them.
 _STYLE = """
-:root { --text: #14191f; --text-quiet: #4b5661; --line: #d6dbe1; --line-control: #78838f; }
+:root { --surface-page: #eceff2; --text: #14191f; --text-quiet: #4b5661; --line: #d6dbe1; --line-control: #78838f; }
 @page { size: A4; margin: 14mm 13mm; }
 * { box-sizing: border-box; }
 body { font: 10pt/1.35 "IBM Plex Sans", "DejaVu Sans", Verdana, sans-serif; color: var(--text); max-width: 190mm;

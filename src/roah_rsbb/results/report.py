@@ -52,6 +52,11 @@ body { max-width: 270mm; } nav { margin: 0 0 4mm; display: flex; flex-wrap: wrap
 .wide td.share, .wide td.from { white-space: nowrap; } meter { width: 18mm; vertical-align: middle; }
 .uplot { font: 9pt "IBM Plex Sans", "DejaVu Sans", Verdana, sans-serif; } .u-legend { font-size: 9pt; }
 table.u-legend { width: auto; } .u-legend td, .u-legend th { border: 0; min-width: 0; }
+@media screen { html { background: var(--surface-page); }
+  body { padding: 2mm 6mm 6mm; border-radius: 3mm; background: #fff; }
+  nav { gap: 0 5mm; border-bottom: .3mm solid var(--line); } a { color: inherit; }
+  nav > * { padding: 2mm 0 1.5mm; border-bottom: .8mm solid transparent; font-weight: bold; text-decoration: none;
+    color: var(--text-quiet); } nav > :not(a) { border-color: var(--text); color: var(--text); } }
 @media print { nav { display: none; } .wide { overflow: visible; } body { font-size: 8pt; }
   @page { size: A4 landscape; } }
 """

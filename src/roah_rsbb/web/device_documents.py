@@ -450,7 +450,8 @@ def whole_sheet_page(sheet: RunSheet) -> Data:
         "proposals": [each.number for each in sheet.proposals if each.decided_utc_s is None],
         "timeline": [page_item(item) for item in timeline(sheet.timeline, _MOMENTS.time_of_day)],
         "ends": [
-            {"number": end.number, "reason": sheets.stop_reason(end.reason, end.reason_by, end.who),
+            {"number": end.number, "is_stop": end.end_reason != "completed",
+             "reason": sheets.stop_reason(end.reason, end.reason_by, end.who),
              "text": " · ".join(filter(None, [_MOMENTS.time_of_day(end.utc_s), sheets.person(end.who),
                                               tr_said(end.desc)]))}
             for end in sheet.ends],

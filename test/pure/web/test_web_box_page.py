@@ -241,7 +241,9 @@ def test_a_sheet_with_its_history_and_ends():
     entries = tuple(HistoryEntry(n, NOW, "Anna (/node)", "Penalized", "Bumps", "uint", 0, False, 1, False,
                                  withdrawn_utc_s=NOW if n == 1 else None) for n in range(1, MAX_HISTORY + 3))
     end = RunEnd(1, NOW, "Anna (/node)", "stopped", "Stopped", "it fell", "Bert")
-    shown = whole_sheet_page(RunSheet(run_of(1), ("R",), 61.5, (), entries, (end,)))
+    completed = RunEnd(2, NOW, "", "completed", "Completed", "")
+    shown = whole_sheet_page(RunSheet(run_of(1), ("R",), 61.5, (), entries, (end, completed)))
+    assert [one["is_stop"] for one in shown["ends"]] == [True, False], "what was completed was not stopped"
     history = shown["history"]
     assert (len(history), history[0]["number"]) == (MAX_HISTORY, len(entries)), "the newest first"
     assert "Anna: Penalized: Bumps: 0 → 1" in history[0]["text"] and not history[0]["is_withdrawn"]
