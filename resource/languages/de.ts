@@ -807,6 +807,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Marks may be waiting on the devices of {names}</source>
+        <translation>Auf den Geräten von {names} warten vielleicht noch Einträge</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>{number} older entries are in the sheet of the run</source>
         <translation>{number} ältere Einträge sind im Bogen des Laufs</translation>
     </message>

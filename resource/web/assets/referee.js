@@ -19,7 +19,7 @@ const SILENT_S = 2.2;
 const ASK_AGAIN_MS = 1500;
 const SOON = 1;
 const SWITCHES = 10;
-const CHANGED_MS = 600, NEXT_MS = 1000;
+const CHANGED_MS = 600, NEXT_MS = 1500;
 const STILL_MS = 3000;
 const SHOWN = "shown", KEPT_MS = 2000;
 const SMALL = 608;  // pixels: of a lower screen, the sheet begins under the strip
@@ -276,7 +276,7 @@ function Run({zone, zones, texts}) {
     <section class="strip run ${zone.phase} ${look} ${clock.pause ? "paused" : ""}" aria-label=${texts.time}>
       ${zones ? html`<button type="button" class="who zones" data-meaning="zones" aria-expanded=${state.isChoosing} onClick=${() => choose(!state.isChoosing)}>${who}</button>`
         : html`<div class="who">${who}</div>`}
-      <div class="strip-clock"><span class="unseen">${clock.main.label}</span>
+      <div class="strip-clock" key=${zone.phase}><span class="unseen">${clock.main.label}</span>
         <b class="clock ${clock.main.hurry ? "hurry" : ""}">${clock.main.text}</b><small>${clock.below}</small></div>
       <span class="progress" style="--part: ${clock.part || 0}"></span>
     </section>`;
@@ -298,13 +298,13 @@ function Last({zone, texts, session}) {
     <section class="last">
       <button type="button" class="to-more" data-meaning="more" onClick=${() => openDrawer(isTodo ? "more" : "timeline")}>
         <${Icon} name=${zone.is_urgent ? "warning" : isTodo ? "now" : "timeline"} />
-        <span>${isTodo ? html`<span class="todo ${zone.is_urgent ? "urgent" : ""}" role="status">${zone.todo}</span>`
+        <span key=${`${isTodo && zone.todo} ${waiting.some(({isLate}) => isLate)}`}>${isTodo ? html`<span class="todo ${zone.is_urgent ? "urgent" : ""}" role="status">${zone.todo}</span>`
           : html`<span class="lines-1 said">${waiting.length > 0 ? nameOf(shown) : shown.shown}</span>`}
           <span class="unseen"><${Icon} name="pending" /></span>${waiting.some(({isLate}) => isLate) ? html`<span class="chip pending small"><${Icon} name="pending" />${texts.marks_waiting
             .replace("{number}", () => count).replace("{waiting}", () => waiting.length)}</span>`
             : !isTodo && html`<small class="lines-1">${texts.marks_sent.replace("{number}", () => count)}</small>`}</span>
       </button>
-      ${session.role !== "judge" && zone.items.length > 0 && html`
+      ${session.role !== "judge" && may(texts, "take_back") && zone.items.length > 0 && html`
         <button type="button" class="button second" data-command="undo" data-meaning="undo" disabled=${!last} onClick=${() => undo(last, texts)}
             aria-label=${last ? texts.undo.replace("{mark}", () => last.shown) : texts.nothing_to_undo}>
           <span class="stack"><${Icon} name="undo" /><span>${texts.nothing_to_undo}</span></span></button>`}
@@ -340,7 +340,7 @@ function Incident({zone, item, texts}) {
   }
   begun.current = isOn ? begun.current : null;
   const left = isOn ? Math.max(0, Number(item.after) - (now - begun.current.at)) : 0;
-  const act = () => !item.after ? openDrawer("happened") : happen(zone, isOn ? find(zone, "desc", item.until[0]) : item);
+  const act = () => !item.after || !may(texts, "mark") ? openDrawer("happened") : happen(zone, isOn ? find(zone, "desc", item.until[0]) : item);
   return html`
     <button type="button" class=${isOn ? "active" : ""} data-incident=${item.incident} data-meaning=${`${item.desc} ${isOn}`} onClick=${act}>
       ${isOn ? html`<b>${countdown(left)}</b>` : html`<${Icon} name=${INCIDENTS[item.incident]} />`}
@@ -457,9 +457,11 @@ const HINTS = {pose: "x y ° (1.25 0.40 90)", decimal: "0.5"};
 const isForm = ([, {fields}]) => fields.some(({kind}) => ENTERED.includes(kind));
 
 // The actions without a place of their own, with their fields as they are now.
+const may = (texts, name) => texts.may[state.session.role].includes(name);
+
 function offered(zone, texts) {
   return Object.entries(texts.actions).map(([name, action]) => [name, {...action, fields: zone.fields[name] || action.fields}])
-    .filter(([name, {fields}]) => !PLACED.includes(name) && name in zone.off && zone.shown[name]
+    .filter(([name, {fields}]) => may(texts, name) && !PLACED.includes(name) && name in zone.off && zone.shown[name]
       && fields.every(({kind}) => [...ENTERED, ...FILLED].includes(kind)));
 }
 
@@ -473,8 +475,10 @@ function oneOf(zone, texts, name, more = {}) {
   };
 }
 
-// The next action, and one beside it.
-function actionsOf(zone, texts) {
+// The next action, and one beside it, as far as the role may do them.
+const actionsOf = (zone, texts) => placedOf(zone, texts).map((one) => one && may(texts, one.name) ? one : null);
+
+function placedOf(zone, texts) {
   const one = (name, more = {}) => oneOf(zone, texts, name, more);
   const isOn = (name) => name in zone.off && zone.shown[name] && zone.off[name].length === 0;
   const run = zone.unsigned.find(({is_here}) => is_here), again = one("start", {label: texts.continue, isTwice: true});
@@ -493,11 +497,14 @@ function actionsOf(zone, texts) {
   }
   if (run && zone.judging.every(({identity, count}) => identity !== run.identity || count === 0)) {
     const isWaiting = state.marks.waiting.some(({identity}) => identity === run.identity);
-    return [{name: "sign_off", key: `${run.identity} ${run.revision}`, label: texts.sign_off, small: run.score, isTwice: true, question: texts.really, icon: "sign",
+    return [{name: "sign_off", key: `${run.identity} ${run.revision}`, label: texts.sign_off, small: unheardText(run, texts) || run.score, isTwice: true, question: texts.really, icon: "sign",
       reasons: isWaiting ? [texts.marks_wait] : [], act: () => give("sign_off", texts, texts.sign_off, {identity: run.identity})}, one("connect")];
   }
   return zone.questions.connect ? [one("next"), one("connect")] : zone.robots.length > 0 ? [] : [one("connect")];
 }
+
+// Whose devices may have marks that did not arrive.
+const unheardText = ({unheard}, texts) => unheard.length > 0 ? `⚠ ${texts.unheard.replace("{names}", () => unheard.join(", "))}` : "";
 
 const isNext = ({leaving, phase}) => !(leaving && phase === "ended");
 
@@ -514,8 +521,8 @@ function Dock({zone, texts, isOld}) {
     <section class="dock" aria-label=${texts.commands}>
       ${why && html`<p class="dock-why alarm">⚠ ${why.label}: ${why.warning}</p>`}
       <fieldset disabled=${isOld}>${next && html`<${Act} ...${next} isMain=${isNext(zone)} />`}
-      ${second ? html`<div class=${next ? "second" : "command"}><${Act} ...${second} isBare /></div>` : !next && html`<p class="quiet idle">${zone.todo}</p>`}</fieldset>
-      ${zone.phase === "running" && html`<div class="second"><${Command} name="note" label=${texts.note_moment} act=${note} isStacked><${Icon} name="moment" /><//></div>`}
+      ${second && html`<div class=${next ? "second" : "command"}><${Act} ...${second} isBare /></div>`}</fieldset>
+      ${zone.phase === "running" && may(texts, "note") && html`<div class="second"><${Command} name="note" label=${texts.note_moment} act=${note} isStacked><${Icon} name="moment" /><//></div>`}
     </section>`;
 }
 
@@ -527,7 +534,7 @@ function More({zone, zones, texts, session}) {
   return html`
     ${zone.phase !== "idle" && html`<${State} zone=${zone} />`}
     <ul class="rows commands">
-      ${[...(zone.phase === "running" ? [oneOf(zone, texts, "disconnect")] : []), ...rows]
+      ${[...(zone.phase === "running" && may(texts, "disconnect") ? [oneOf(zone, texts, "disconnect")] : []), ...rows]
         .sort((a, b) => a.reasons.length - b.reasons.length).map((command) => html`<${CommandRow} ...${command} />`)}
     </ul>
     ${others.filter(isForm).map(([name, action]) => html`
@@ -535,7 +542,7 @@ function More({zone, zones, texts, session}) {
         <summary>${action.label}</summary>
         <${Form} key="${zone.event} ${zone.identity}" command=${oneOf(zone, texts, name)} action=${action} zone=${zone} texts=${texts} />
       </details>`)}
-    ${zone.phase === "ended" && zone.end === "stopped" && html`
+    ${zone.phase === "ended" && zone.end === "stopped" && may(texts, "stop_reason") && html`
       <details class="block">
         <summary>${texts.stop_reason}</summary>
         <${Reason} key=${zone.identity} zone=${zone} texts=${texts} />
@@ -660,6 +667,7 @@ function Over({zone, texts}) {
       ${judged.map((run) => html`
         <${HeadReferee} key=${run.identity} zone=${zone.zone} run=${run} texts=${texts} give=${give} />`)}
       <ul class="unsigned">${zone.unsigned.map((run) => html`
+        ${run.unheard.length > 0 && html`<li class="banner warning">${unheardText(run, texts)}</li>`}
         <${FinishedRun} key=${run.identity} zone=${zone} run=${run} marks=${state.marks} texts=${texts} give=${give}
           undo=${(last) => undo(last, texts)} />`)}</ul>
       ${zone.unlisted > 0 && html`<p class="facts">${texts.hidden.replace("{number}", () => zone.unlisted)}</p>`}
@@ -668,13 +676,17 @@ function Over({zone, texts}) {
 
 // Whether what a module asks for is open. It opens when nobody has touched the page for a moment, because it takes the place
 // of the sheet: else the next action leads to it.
-function useInstruction(asked) {
+function useInstruction(asked, before) {
   const [opened, setOpened] = useState("");
+  const open = () => {
+    before.current = scrollY;  // where the sheet is, to which the reader comes back
+    setOpened(asked);
+  };
   useEffect(() => {
-    const timer = asked && opened !== asked && setInterval(() => performance.now() - state.touchedAt > STILL_MS && setOpened(asked), 200);
+    const timer = asked && opened !== asked && setInterval(() => performance.now() - state.touchedAt > STILL_MS && open(), 200);
     return () => clearInterval(timer);
   }, [asked, opened]);
-  return [opened === asked, () => setOpened(asked)];
+  return [opened === asked, open];
 }
 
 // The zone: during a run, its sheet is the page.
@@ -683,11 +695,11 @@ function ZonePage({zone, zones, session, texts, isOld}) {
   const part = (name, made) => html`<${Guard} key=${name} name=${name}>${made}<//>`;
   const [ask] = judge ? [] : offered(zone, texts).filter(([, {row}]) => row === "module");
   const asked = ask ? `${zone.identity} ${JSON.stringify(ask.map((one) => one.fields || one))} ${zone.texts[ask[0]]}` : "";
-  const [isOpen, open] = useInstruction(asked);
-  const isInstruction = Boolean(asked) && isOpen;
   const before = useRef(0);
+  const [isOpen, open] = useInstruction(asked, before);
+  const isInstruction = Boolean(asked) && isOpen;
   useLayoutEffect(() => {
-    isInstruction ? (before.current = scrollY, scrollTo(0, 0)) : scrollTo(0, before.current);
+    scrollTo(0, isInstruction ? 0 : before.current);
   }, [isInstruction]);
   useEffect(() => {
     zone.phase === "running" && innerHeight < SMALL && document.querySelector(".sheets").scrollIntoView();
@@ -704,19 +716,19 @@ function ZonePage({zone, zones, session, texts, isOld}) {
     </header>
     <div class="all">
       <div class="sheets" hidden=${isInstruction}>
-        ${zone.switches && !judge && part(texts.switches, html`<${Switches} zone=${zone} texts=${texts} />`)}
+        ${zone.switches && may(texts, "switch") && part(texts.switches, html`<${Switches} zone=${zone} texts=${texts} />`)}
         ${isBefore && part("✓", html`<fieldset disabled=${isOld}><${Checks} key=${zone.phase} zone=${zone} texts=${texts} /></fieldset>`)}
         ${judge && part(texts.judges, zone.judging.filter((run) => run.count > 0).map((run) => html`
           <${JudgeRun} key=${run.identity} zone=${zone.zone} run=${run} marks=${marks} texts=${texts} person=${judge} give=${give} isOld=${isOld} />`))}
         ${isJudged && !judge && html`<p class="nothing">${texts.judges_score}</p>`}
         ${zone.items.length > 0 && !isJudged && part(texts.sheet, html`
-          <${Sheet} key="${zone.identity} ${isBefore}" zone=${zone} happenings=${happenings()} marks=${marks} texts=${texts} judge=${judge} give=${give} only="items"
+          <${Sheet} key="${zone.identity} ${isBefore}" zone=${zone} happenings=${happenings()} marks=${marks} texts=${texts} judge=${judge} give=${may(texts, "in_time") ? give : null} isFixed=${!may(texts, "mark")} only="items"
             onMark=${(item) => endInactivity(zone, item)} />`)}
-        ${!judge && ["idle", "ended"].includes(zone.phase) && part(texts.unsigned, html`<fieldset disabled=${isOld}><${Over} zone=${zone} texts=${texts} /></fieldset>`)}
+        ${may(texts, "sign_off") && ["idle", "ended"].includes(zone.phase) && part(texts.unsigned, html`<fieldset disabled=${isOld}><${Over} zone=${zone} texts=${texts} /></fieldset>`)}
       </div>
       ${!judge && html`<div class="aside">
         ${isInstruction && part(ask[0], html`<fieldset disabled=${isOld}><${Instruction} key=${asked} zone=${zone} texts=${texts} name=${ask[0]} action=${ask[1]} /></fieldset>`)}
-        <${Drawer} name="happened" title=${zone.incidents} texts=${texts}>${part(zone.incidents, html`<${Sheet} zone=${zone} marks=${marks} texts=${texts} give=${give} only="incidents" />`)}<//>
+        <${Drawer} name="happened" title=${zone.incidents} texts=${texts}>${part(zone.incidents, html`<${Sheet} zone=${zone} marks=${marks} texts=${texts} give=${give} isFixed=${!may(texts, "mark")} only="incidents" />`)}<//>
         <${Drawer} name="timeline" title=${texts.timeline} texts=${texts}>${part(texts.timeline, html`<${Timeline} zone=${zone} texts=${texts} />`)}<//>
         <${Drawer} name="more" title=${texts.more} texts=${texts}>${part(texts.commands, html`<fieldset disabled=${isOld}><${More} zone=${zone} zones=${zones} texts=${texts} session=${session} /></fieldset>`)}<//>
         ${isInstruction ? null : asked ? html`<section class="dock"><${Command} label=${ask[1].label} small=${zone.todo} isMain act=${open} /></section>`

@@ -35,7 +35,7 @@ export function RefusedMark({mark, marks, texts}) {
 }
 
 // `mark(item, given, shown)`: enters a mark; `waiting`: marks of this item that were not answered yet.
-function Item({item, zone, waiting, refused, mark, texts, judge, give, happenings}) {
+function Item({item, zone, waiting, refused, mark, texts, judge, give, happenings, isFixed}) {
   const [isOpen, setOpen] = useState(false);
   const [note, setNote] = useState("");
   const enter = (given, shown) => {
@@ -43,7 +43,7 @@ function Item({item, zone, waiting, refused, mark, texts, judge, give, happening
     setNote("");
   };
   const name = item.desc, isBool = item.type === "bool", isCount = COUNTS.includes(item.type);
-  const isTouched = !judge && (isBool || isCount || isShare(item));
+  const canEnter = !judge && !isFixed, isTouched = canEnter && (isBool || isCount || isShare(item));
   const count = isTouched ? counted(item, waiting) : 0, isWaiting = waiting.length > 0;
   const before = isShare(item) ? Number(item.text || 0) : item.value;
   const minimum = number(item.min), maximum = number(item.max);
@@ -73,15 +73,15 @@ function Item({item, zone, waiting, refused, mark, texts, judge, give, happening
           disabled=${isMost && !isBool} onClick=${() => isMost || touch(1)}>
           ${isBool && count ? html`<${Icon} name=${item.is_penalty ? "flag" : "check"} /><span class="unseen">${texts.yes}</span>`
             : html`${item.is_penalty && html`<${Icon} name="flag" />`}${item.gives || texts.yes}`}<span class="unseen"> ${name}</span></button>`
-        : !judge && html`<button type="button" class="mark plain" aria-expanded=${isOpen} data-meaning=${name} onClick=${() => setOpen(!isOpen)}><${Icon} name="more" /><span
+        : canEnter && html`<button type="button" class="mark plain" aria-expanded=${isOpen} data-meaning=${name} onClick=${() => setOpen(!isOpen)}><${Icon} name="more" /><span
             class="unseen">${texts.options.replace("{item}", () => name)}</span></button>`}
-      ${item.type === "choice" && !judge && html`
+      ${item.type === "choice" && canEnter && html`
         <div class="controls">${item.choices.map((choice, i) => html`
           <button type="button" class="button ${Number(item.choice_points[i] || 0) > 0 ? "earns" : ""}" aria-pressed=${!item.not_attempted && item.text === choice}
               onClick=${() => enter({text: choice}, choice)}>${choice}</button>`)}</div>`}
-      ${item.type === "decimal" && !isShare(item) && !judge && html`<div class="controls"><${Entry} item=${item} label=${texts.value.replace("{item}", () => name)} texts=${texts}
+      ${item.type === "decimal" && !isShare(item) && canEnter && html`<div class="controls"><${Entry} item=${item} label=${texts.value.replace("{item}", () => name)} texts=${texts}
         value=${item.text} enter=${(text) => enter({text}, text)} /></div>`}
-      ${item.type === "rating" && html`<div class="controls">${item.judges.map((one, i) => (!judge || one === judge) && html`
+      ${item.type === "rating" && html`<div class="controls">${item.judges.map((one, i) => !isFixed && (!judge || one === judge) && html`
         <${Entry} item=${item} label=${texts.ratings_of.replace("{judge}", () => one)} isLabelShown texts=${texts}
           value=${item.ratings[i]} enter=${(text) => enter({text, judge: one}, `${one}: ${text}`)} />`)}</div>`}
       ${item.late.length > 0 && html`
@@ -94,12 +94,12 @@ function Item({item, zone, waiting, refused, mark, texts, judge, give, happening
           ${(item.rulings || []).map((ruling) => html`<p><${Icon} name="ruling" /> ${ruling}</p>`)}
           ${happenings.filter((one) => one.group === item.group && one.desc === item.desc).slice(0, MOST_MARKS).map((one) => html`
             <p key=${one.id} class="small ${one.state || ""}"><${Icon} name="timeline" /> ${[one.clock || one.time, one.change, one.who, one.said].filter(Boolean).join(" · ")}</p>`)}
-          ${!judge && html`<label>${texts.note}: ${texts.note_how}
+          ${canEnter && html`<label>${texts.note}: ${texts.note_how}
             <input maxlength="200" value=${note} onInput=${(event) => setNote(event.target.value)} />
           </label>`}
-          ${(isCount || isShare(item)) && !judge && html`<${Entry} item=${item} texts=${texts} value=${String(count)} label=${texts.value.replace("{item}", () => name)}
+          ${(isCount || isShare(item)) && canEnter && html`<${Entry} item=${item} texts=${texts} value=${String(count)} label=${texts.value.replace("{item}", () => name)}
             enter=${(text) => enter(isShare(item) ? {text} : {value: whole(text)}, text)} />`}
-          ${!judge && html`<button type="button" class="button" aria-pressed=${item.not_attempted}
+          ${canEnter && html`<button type="button" class="button" aria-pressed=${item.not_attempted}
               onClick=${() => item.not_attempted ? enter({value: 0}, "0") : enter({not_attempted: true}, texts.not_attempted)}>
             ${texts.not_attempted}</button>`}
         </div>`}
@@ -152,8 +152,8 @@ function Groups({groups, zone, row, texts}) {
 // `judge`: the name of the judge who may only give ratings; empty: a referee.
 // `command`: another one than "mark", on the own sheet of `person`.
 // `undo(mark)` takes the last mark of this device back; `give`: a command, as the referee's page gives it.
-// `happenings`: what happened in the run, the latest first. `onMark(item)`: called before a mark is entered. `only`: incidents are shown alone, or not at all; empty: below the rest.
-export function Sheet({zone, marks, texts, judge = "", command = "", person = "", undo = null, give = null, onMark = null, only = "", happenings = []}) {
+// `isFixed`: nothing can be entered. `happenings`: what happened in the run, the latest first. `onMark(item)`: called before a mark is entered. `only`: incidents are shown alone, or not at all; empty: below the rest.
+export function Sheet({zone, marks, texts, judge = "", command = "", person = "", undo = null, give = null, onMark = null, only = "", happenings = [], isFixed = false}) {
   const last = marks.last(zone.identity);
   const items = judge ? zone.items.filter((item) => item.judges.includes(judge)) : zone.items;
   const mark = (item, given, shown) => {
@@ -167,7 +167,7 @@ export function Sheet({zone, marks, texts, judge = "", command = "", person = ""
   items.filter((item) => !item.is_incident).forEach((item) => groups.set(item.group, [...(groups.get(item.group) || []), item]));
   const row = (item) => html`
     <${Item} key="${item.group}/${item.desc}" item=${item} zone=${zone} waiting=${marks.waiting.filter(isOf(item, zone.identity))}
-      refused=${marks.refused.filter(isOf(item, zone.identity))} mark=${mark} texts=${texts} judge=${judge} give=${judge ? null : give} happenings=${happenings} />`;
+      refused=${marks.refused.filter(isOf(item, zone.identity))} mark=${mark} texts=${texts} judge=${judge} give=${judge ? null : give} happenings=${happenings} isFixed=${isFixed} />`;
   const incidents = items.filter((item) => item.is_incident);
   if (only === "incidents") {
     return html`<ul>${incidents.map(row)}</ul>`;

@@ -144,6 +144,7 @@ def page_words() -> Dict[str, Any]:
             read_on="Read on", marks_sent="{number} marks, all sent", marks_waiting="{number} marks, {waiting} waiting",
             was_in_time="Was it in time?", points_in_all="points",
             timeline="Timeline", note_moment=ENTRIES["note"].label, add_text="Add text", no_timeline="No run yet",
+            unheard="Marks may be waiting on the devices of {names}",
             older="{number} older entries are in the sheet of the run",
             stop_ends="STOP ends the run. It has no robot", stop_reaches="STOP goes to {robot}",
             sheet="Score sheet", time="Time", connect_robot="Connect {robot}",
