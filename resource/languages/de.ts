@@ -2330,6 +2330,16 @@
         <translation>von {name} um {time} verworfen</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Captain {name} refused to sign at {time}</source>
+        <translation>Kapitän {name} lehnte um {time} die Unterschrift ab</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Signed by captain {name} at {time}</source>
+        <translation>Von Kapitän {name} um {time} unterschrieben</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/wording/times.py"/>
         <source>just now</source>
         <translation>gerade eben</translation>
@@ -5013,6 +5023,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Captain&apos;s signature</source>
+        <translation>Unterschrift des Kapitäns</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>The captain read the score sheet of a run that is over, and signs it or refuses, with the reason</source>
+        <translation>Der Kapitän hat den Wertungsbogen eines beendeten Laufs gelesen und unterschreibt ihn, oder lehnt mit Grund ab</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Decide on a late mark</source>
         <translation>Über eine verspätete Wertung entscheiden</translation>
     </message>
@@ -5228,6 +5248,26 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Name of the captain</source>
+        <translation>Name des Kapitäns</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Comment</source>
+        <translation>Kommentar</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Signature</source>
+        <translation>Unterschrift</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Refuses to sign</source>
+        <translation>Lehnt die Unterschrift ab</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Accept it</source>
         <translation>Annehmen</translation>
     </message>
@@ -5365,6 +5405,21 @@
         <location filename="../../src/roah_rsbb/scoring/book.py"/>
         <source>the run was not stopped yet, so it cannot have a reason</source>
         <translation>der Lauf wurde noch nicht gestoppt, also kann er keinen Grund haben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>enter the name of the captain</source>
+        <translation>Geben Sie den Namen des Kapitäns ein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>enter why the captain refuses to sign</source>
+        <translation>Geben Sie ein, warum der Kapitän nicht unterschreibt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>the signature is not made of lines such as M10 20L30 40</source>
+        <translation>Die Unterschrift besteht nicht aus Linien wie M10 20L30 40</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/book.py"/>

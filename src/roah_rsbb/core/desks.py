@@ -20,7 +20,7 @@ from roah_rsbb.model.actions import ROLES
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.modules import ModulesState, RunForModule
 from roah_rsbb.model.reason import MAX_NOTE, Refused, RunName, checked_note, checked_who, say
-from roah_rsbb.model.records import By, ItemRecord, JudgeSheet, Phase, RunRecord
+from roah_rsbb.model.records import By, CaptainSign, ItemRecord, JudgeSheet, Phase, RunRecord
 from roah_rsbb.model.scoring import SheetForm
 from roah_rsbb.rulebook.event_ids import key_of
 from roah_rsbb.scoring.book import FinishedRun, FinishedRuns, Note, RunBook
@@ -229,6 +229,14 @@ class ScoreDesk:
         by = By(checked_who(who), checked_note(note))
         run = self.named(name)
         self.report_correction(run, run.take_back(now, by, mark_id))
+
+    def captain(self, now: Now, name: RunName, sign: CaptainSign) -> None:
+        """Take the captain's signature, or the refusal to sign. Raises `Refused`."""
+        run = self.named(name)
+        if not isinstance(run, FinishedRun):
+            raise Refused([STILL_CONNECTED(run=run.identity)])
+        self.report_correction(run, run.take_captain(sign._replace(
+            name=checked_who(sign.name), comment=checked_note(sign.comment), who=checked_who(sign.who))))
 
     def decide(self, now: Now, name: RunName, number: int, accept: bool, reason: str, who: str = "") -> None:
         """Accept or drop a mark that arrived after the sign-off. Raises `Refused`."""

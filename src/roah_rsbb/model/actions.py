@@ -70,6 +70,8 @@ _JUDGE, _NOTE, _REASON, _TEXT = say("Judge"), say("Note"), say("Reason"), say("T
 # An event that is signed off has its result: whoever begins there again says so.
 AGAIN = Confirmed("again", say("Another attempt at an event that is signed off"), required=False)
 _NUMBER, _DEVICE, _ID, _ROLE = say("Number"), say("Device"), say("Id of the mark"), say("Role")
+# Characters of a captain's signature, in whole units of a field of 400 times 150.
+MAX_DRAWING = 4000
 # `uint8` on the ROS interface.
 MAX_DAMAGED = 255
 # A time for objections that is left to the benchmarks file.
@@ -156,6 +158,11 @@ _ENTRIES = (
            (TypedText("text", _TEXT, required=False), Number("number", _NUMBER, required=False),
             Field("id", say("Id of the note"), required=False), Field("device", _DEVICE, required=False),
             Field("role", _ROLE, required=False), _AGO), durable=True, roles=NOTERS),
+    Action("captain", say("Captain's signature"),
+           say("The captain read the score sheet of a run that is over, and signs it or refuses, with the reason"),
+           (TypedText("name", say("Name of the captain")), TypedText("comment", say("Comment"), required=False),
+            TypedText("drawing", say("Signature"), required=False, characters=MAX_DRAWING),
+            Toggle("refused", say("Refuses to sign"), required=False)), durable=True),
     Action("decide", say("Decide on a late mark"),
            say("It was made before the sign-off and arrived after it. If it is accepted, you sign the new sheet"),
            (Number("number", _NUMBER, low=1), Toggle("accept", say("Accept it"), required=False),

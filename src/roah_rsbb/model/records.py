@@ -210,6 +210,17 @@ class SignOff(NamedTuple):
     who: str
 
 
+class CaptainSign(NamedTuple):
+    """The captain of the team read the score sheet, and signed it or refused to."""
+
+    utc: float  # UTC seconds
+    name: str
+    refused: bool = False
+    comment: str = ""  # of a refusal, the reason
+    drawing: str = ""  # the signature: lines such as M10 20L30 40, on a field of 400 times 150; empty: none
+    who: str = ""  # on whose device
+
+
 class JudgeSheet(NamedTuple):
     """The score sheet of one of several judges. Nobody else sees it before it is submitted."""
 
@@ -335,6 +346,7 @@ class RunRecord(NamedTuple):
     event: str = ""  # id of its event in the schedule; empty in journals before 2026-12
     outages: Tuple[Outage, ...] = ()  # oldest first
     versions: Tuple[SheetVersion, ...] = ()  # earlier ones of its signed sheet, oldest first
+    captain: Tuple[CaptainSign, ...] = ()  # oldest first; the last one holds
     proposals: Tuple[Proposal, ...] = ()  # in the order in which they arrived
     timeline: Tuple[TimelineEntry, ...] = ()  # oldest first; marks and ends have lists of their own
 

@@ -7,7 +7,7 @@ Times are UTC seconds since 1970; None: not yet, or never.
 from typing import NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.reason import Said
-from roah_rsbb.model.records import Outage, ScoreValue, SheetPoints, TimelineEntry
+from roah_rsbb.model.records import CaptainSign, Outage, ScoreValue, SheetPoints, TimelineEntry
 from roah_rsbb.model.zone import SheetItem
 
 
@@ -104,6 +104,7 @@ class RunTimeline(NamedTuple):
     signed_utc_s: Optional[float] = None
     signed_by: str = ""
     proposals: Tuple[ProposedMark, ...] = ()
+    captain: Tuple[CaptainSign, ...] = ()
 
 
 class RunSheet(NamedTuple):
@@ -120,13 +121,15 @@ class RunSheet(NamedTuple):
     entries: Tuple[TimelineEntry, ...] = ()  # of its timeline, oldest first
     outages: Tuple[Outage, ...] = ()  # oldest first
     proposals: Tuple[ProposedMark, ...] = ()  # in the order in which they arrived
+    captain: Tuple[CaptainSign, ...] = ()  # oldest first; the last one holds
 
     @property
     def timeline(self) -> RunTimeline:
         """What happened in the run."""
         run = self.run
         return RunTimeline(run.identity, run.opened_utc_s, self.history, self.ends, self.entries, self.outages,
-                           run.closed_utc_s, run.signed_utc_s, run.signed_by, self.proposals)
+                           run.closed_utc_s, run.signed_utc_s, run.signed_by, self.proposals,
+                           self.captain)
 
 
 class UnsavedParts(NamedTuple):

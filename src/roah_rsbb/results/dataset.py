@@ -18,6 +18,7 @@ from roah_rsbb.journal.records import Kind
 from roah_rsbb.model import run_log
 from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import (
+    CaptainSign,
     JudgeAct,
     JudgeSheet,
     Objection,
@@ -130,6 +131,7 @@ HIDDEN: Dict[type, Dict[str, Callable[[Names, Any], Any]]] = {
         "who": Names.person, "changed_by": Names.person, "text": Names.text,
         "device": lambda names, device: names.of("device", device)},
     Proposal: {"decided_by": Names.person, "reason": Names.text},
+    CaptainSign: {"name": Names.person, "comment": Names.text, "drawing": Names.text, "who": Names.person},
     StopRecord: {"who": Names.person, "reason": Names.text, "reason_by": Names.person, "desc": Names.text},
     SignOff: {"who": Names.person},
     SheetVersion: {"why": Names.text},

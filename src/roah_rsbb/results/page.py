@@ -76,7 +76,8 @@ table.totals th { font-size: 10pt; color: var(--text); } table.totals td { font-
 .line { border-bottom: .2mm solid var(--line-control); height: 7mm; margin: 0; }
 .remark { font-size: 9pt; max-height: 2.7em; overflow: hidden; }
 .signatures { display: flex; gap: 10mm; flex: none; padding-top: 16mm; break-inside: avoid; }
-.signatures div { flex: 1; border-top: .3mm solid var(--text); padding-top: 1mm; font-size: 8pt; }
+.signatures svg { position: absolute; bottom: 100%; width: 38mm; }
+.signatures div { position: relative; flex: 1; border-top: .3mm solid var(--text); padding-top: 1mm; font-size: 8pt; }
 svg { width: 100%; height: auto; display: block; break-inside: avoid; }
 @media screen and (max-width: 150mm) { .scores.two, .scores.three { columns: 1; }
   .annex > table { display: block; overflow-x: auto; } }

@@ -6,6 +6,7 @@ two or three columns of smaller letters. Text that is too long for the page is c
 
 from decimal import Decimal
 from fractions import Fraction
+from functools import partial
 from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.model.reason import Reason
@@ -22,6 +23,7 @@ from roah_rsbb.scoring.tree import LATE, RULINGS
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.sheets import counting_text, scores_by_group
 from roah_rsbb.wording.texts import one_line
+from roah_rsbb.wording.timeline import captain_text
 from roah_rsbb.wording.times import NOTHING, date_time, elapsed, optional_date_time
 
 SIGNERS = ("Referee: name, date, signature", "Team: name, date, signature")
@@ -80,6 +82,7 @@ class Front(NamedTuple):
     remarks: Tuple[str, ...]
     empty_lines: int
     competition: Competition = NO_COMPETITION
+    captain: Tuple[str, str] = (SIGNERS[1], "")  # what stands below the team's line, and the signature on it
 
 
 def cut(text: str, letters: int) -> str:
@@ -115,8 +118,17 @@ def front_of(record: RunRecord, rules: Optional[Rules], title: str, in_utc: bool
         (*_item_groups(record, rules), *_module_groups(record)),
         tuple(_totals(record, rules)),
         tuple(_remarks(record)),
-        EMPTY_LINES,
+        EMPTY_LINES, captain=_captain_of(record, in_utc),
     )
+
+
+def _captain_of(record: RunRecord, in_utc: bool) -> Tuple[str, str]:
+    """Return what stands below the team's line, and the signature on it."""
+    if not record.captain:
+        return SIGNERS[1], ""
+    sign = record.captain[-1]
+    text = captain_text(sign, partial(date_time, in_utc=in_utc))
+    return cut(f"{text}: {sign.comment}" if sign.comment else text, MAX_FACT), sign.drawing
 
 
 def robots_of(record: RunRecord) -> str:
@@ -338,7 +350,10 @@ def front_markup(front: Front) -> Markup:
     if front.totals:
         parts.append(tag("table", *_rows(front.totals), class_="totals"))
     parts += [tag("h2", "Remarks"), *_remark_lines(front)]
-    signatures = tag("div", *(tag("div", signer) for signer in SIGNERS), class_="signatures")
+    below, drawing = front.captain
+    drawn = [tag("svg", tag("path", d=drawing, fill="none", stroke="currentColor", stroke_width="3"),
+                 viewBox="0 0 400 150")] if drawing else []
+    signatures = tag("div", tag("div", SIGNERS[0]), tag("div", *drawn, below), class_="signatures")
     return tag("div", tag("div", *parts, class_="content"), signatures, class_="front")
 
 

@@ -6,6 +6,7 @@ until it is signed off; each such change is a correction.
 """
 
 import itertools
+import re
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple
@@ -15,6 +16,7 @@ from roah_rsbb.model.reason import Refused, say
 from roah_rsbb.model.records import (
     NOT_RUN,
     By,
+    CaptainSign,
     EndReason,
     ItemRecord,
     JudgingRecord,
@@ -48,6 +50,9 @@ MAX_KEPT = 400
 
 # Notes of a run, and other entries of its timeline.
 MAX_NOTES, MAX_HAPPENED = 100, 200
+# Signatures of the captain that are kept, and the lines of one.
+MAX_SIGNS = 5
+_DRAWING = re.compile(r"(?:M\d{1,3} \d{1,3}(?:L\d{1,3} \d{1,3})*)*")
 # Marks that arrived after the sign-off.
 MAX_PROPOSALS = 100
 NOTE = Occurred.NOTE.name.lower()
@@ -453,6 +458,19 @@ class FinishedRun:
         signed = self.record.sign_off
         return signed is not None and now.utc - ago_ms / 1000 < signed.utc
 
+    def take_captain(self, sign: CaptainSign) -> str:
+        """Take the captain's signature, also after the sign-off: it changes nothing else. The last one holds. Raises
+        `Refused`."""
+        if not sign.name:
+            raise Refused([say("enter the name of the captain")])
+        if sign.refused and not sign.comment:
+            raise Refused([say("enter why the captain refuses to sign")])
+        if not _DRAWING.fullmatch(sign.drawing):
+            raise Refused([say("the signature is not made of lines such as M10 20L30 40")])
+        self.record = self.record._replace(captain=(*self.record.captain, sign)[-MAX_SIGNS:])
+        return f"{'Refused' if sign.refused else 'Signed'} by the captain, {sign.name}" + (
+            f": {sign.comment}" if sign.comment else "")
+
     def decide(self, now: Now, by: By, number: int, accept: bool) -> str:
         """Accept or drop a mark that arrived after the sign-off. One that is accepted makes a new version of the sheet,
         which is signed by who accepts it. Raises `Refused`."""
@@ -643,7 +661,7 @@ class FinishedRuns:
         return record._replace(
             items=self._items.setdefault(record.items, record.items), history=(), stops=(), phases=(), form=None,
             marks="", judging=_NO_JUDGING, publication=_NO_PUBLICATION, timeline=(),
-            proposals=())
+            proposals=(), captain=())
 
     def restore(self, records: Iterable[RunRecord]) -> None:
         """Take records from before a restart, in any order. Only those of runs that were left are kept."""

@@ -26,7 +26,7 @@ def run_timeline(record: RunRecord) -> RunTimeline:
         tuple(RunEnd(number, stop.utc, stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by, stop.clock_s)
               for number, stop in enumerate(record.stops, 1)),
         record.timeline, record.outages, record.closed_utc or None, None if signed is None else signed.utc,
-        "" if signed is None else signed.who, _proposals(record))
+        "" if signed is None else signed.who, _proposals(record), record.captain)
 
 
 def _entries(record: RunRecord, entries: Iterable[ScoreEntry]) -> Iterable[HistoryEntry]:

@@ -36,7 +36,7 @@ from roah_rsbb.web.public_documents import FIXED_TEXTS, Data, Store
 from roah_rsbb.wording import judging, public, schedule, sheets, stop, times, todo, whole_box
 from roah_rsbb.wording.language import number, tr, tr_said
 from roah_rsbb.wording.sheets import scores_by_group, with_counting
-from roah_rsbb.wording.timeline import page_item, timeline
+from roah_rsbb.wording.timeline import captain_text, page_item, timeline
 from roah_rsbb.wording.times import Figure, Moments, clock_of, formatted
 from roah_rsbb.wording.whole_box import LinkQuality
 
@@ -447,6 +447,8 @@ def whole_sheet_page(sheet: RunSheet) -> Data:
             {"number": entry.number, "is_withdrawn": entry.withdrawn_utc_s is not None,
              "text": sheets.entry_line(sheets.entry_texts(entry, _MOMENTS.time_of_day))}
             for entry in reversed(sheet.history[-MAX_HISTORY:])],
+        "captain": [{"text": captain_text(sign, _MOMENTS.time_of_day), "comment": sign.comment, "drawing": sign.drawing,
+                     "refused": sign.refused} for sign in sheet.captain[-1:]],
         "proposals": [each.number for each in sheet.proposals if each.decided_utc_s is None],
         "timeline": [page_item(item) for item in timeline(sheet.timeline, _MOMENTS.time_of_day)],
         "ends": [

@@ -5,7 +5,7 @@ Every face shows these items and words none itself.
 
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional
 
-from roah_rsbb.model.records import TimelineEntry
+from roah_rsbb.model.records import CaptainSign, TimelineEntry
 from roah_rsbb.model.results import HistoryEntry, ProposedMark, RunEnd, RunTimeline
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import number, tr, tr_later, tr_said
@@ -16,6 +16,7 @@ from roah_rsbb.wording.times import clock_time
 MARK, STOP, END, RESTART = "mark", "stop", "end", "restart"
 CONNECT, DISCONNECT, SIGN_OFF, OUTAGE = "connect", "disconnect", "sign_off", "outage"
 NOTE, START, PHASE, GOAL, PAUSE, PROPOSAL = "note", "start", "phase", "goal", "pause", "proposal"
+CAPTAIN = "captain"
 _TITLES = {
     CONNECT: tr_later("Connected"), START: tr_later("Started"), RESTART: tr_later("Started again"),
     "continue": tr_later("Continued"), PAUSE: tr_later("Clock paused"), "resume": tr_later("Clock resumed"),
@@ -40,7 +41,7 @@ class TimelineItem(NamedTuple):
     who: str = ""
     role: str = ""  # in words; empty: not known
     note: str = ""  # typed with a mark, or the reason of an end
-    state: str = ""  # withdrawn, late, void, correction, proposed or dropped; empty: as usual
+    state: str = ""  # withdrawn, late, void, correction, proposed, dropped or refused; empty: as usual
     said: str = ""  # the state in words
     number: int = 0  # of the entry in the history, of the note, or of the end; 0: none
     group: str = ""  # of the item that was marked
@@ -62,6 +63,10 @@ def _after(run: RunTimeline, when: When) -> Iterator[TimelineItem]:
         yield _plain(OUTAGE, place, outage.utc, when)._replace(text=tr_said(sheets.outage_text(outage)))
     if run.closed_utc_s is not None:
         yield _plain(DISCONNECT, 0, run.closed_utc_s, when)
+    for place, sign in enumerate(run.captain, 1):
+        yield _plain(CAPTAIN, place, sign.utc, when)._replace(
+            text=captain_text(sign, when), note=sign.comment, who=sheets.person(sign.who),
+            state="refused" if sign.refused else "")
     if run.signed_utc_s is not None:
         yield _plain(SIGN_OFF, 0, run.signed_utc_s, when)._replace(who=sheets.person(run.signed_by))
 
@@ -133,6 +138,13 @@ def clock_text(clock_s: Optional[float]) -> str:
 def points_text(points: str) -> str:
     """Return a change of the points with its sign; empty: none."""
     return number(points if points.startswith("-") or not points else f"+{points}").replace("-", "−")
+
+
+def captain_text(sign: CaptainSign, when: When) -> str:
+    """Return that the captain signed, or refused to."""
+    if sign.refused:
+        return tr("Captain {name} refused to sign at {time}", name=sign.name, time=when(sign.utc))
+    return tr("Signed by captain {name} at {time}", name=sign.name, time=when(sign.utc))
 
 
 def said_of(item: TimelineItem) -> str:

@@ -11,6 +11,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.document import Documents
 from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
+from roah_rsbb.results.paper import front_markup, front_of
 from roah_rsbb.rulebook.benchmarks import EventRules, PhaseRule
 from roah_rsbb.scoring.book import MAX_HAPPENED, MAX_NOTES
 from roah_rsbb.scoring.timeline import run_timeline
@@ -30,7 +31,7 @@ class World(BoxDriver):
         self.robot = self.connected()
         self.name = RunName("tbm", self.run_in().identity)
 
-    def act(self, name, who="Anna", **given):
+    def act(self, name, who="Anna", /, **given):
         self.event(self.box.act, Target(*self.name), name, who, given)
 
     def items(self):
@@ -216,3 +217,26 @@ def test_a_mark_that_arrives_after_the_sign_off_is_proposed_and_changes_nothing_
         world.act("decide", "Ben", number=1)
     waited(world, 70.0, 1)  # it arrives again
     assert world.box.scores.record_of(world.now, world.name) == record
+
+
+def test_the_captain_signs_or_refuses_with_a_reason_and_the_last_one_holds(world):
+    def captain(**given):
+        world.act("captain", "Ada", name="Cleo", **given)
+
+    world.act("start")
+    with pytest.raises(Refused, match="disconnect it first"):
+        captain()
+    world.act("disconnect", running=True)
+    for given, why in (({"refused": True}, "why the captain refuses"), ({"drawing": "M1 1<svg>"}, "not made of lines")):
+        with pytest.raises(Refused, match=why):
+            captain(**given)
+    captain(refused=True, comment="a cup is missing")
+    world.act("sign_off", "Ada")
+    captain(drawing="M10 20L30 40M5 6")
+    record = world.box.scores.record_of(world.now, world.name)
+    shown = [item for item in timeline.timeline(run_timeline(record), Moments(True).time_of_day)
+             if item.kind == "captain"]
+    assert [(item.state, item.text.partition(" at ")[0], item.note) for item in shown] == [
+        ("", "Signed by captain Cleo", ""), ("refused", "Captain Cleo refused to sign", "a cup is missing")]
+    page = str(front_markup(front_of(record, None, "", True)))
+    assert 'd="M10 20L30 40M5 6"' in page and "Signed by captain Cleo" in page

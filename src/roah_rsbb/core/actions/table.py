@@ -17,7 +17,7 @@ from roah_rsbb.model import fields
 from roah_rsbb.model.actions import ACTIONS, CONFIRM, ENTRIES, EVERY, JUDGE_MARK, JUDGES, MARK, STOP, Shown
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Refused, RunName, checked_who, cut_note, say
-from roah_rsbb.model.records import By
+from roah_rsbb.model.records import By, CaptainSign
 from roah_rsbb.scoring.book import Note
 from roah_rsbb.scoring.sheet import Mark
 from roah_rsbb.wording.texts import did_you_mean
@@ -181,6 +181,8 @@ class Entries:
             "take_back": _Entry(
                 lambda now, run, who, given: scores.take_back(now, run, given["id"], who, given["note"])),
             "note": _Entry(lambda now, run, who, given: scores.note(now, run, Note(**given), who)),
+            "captain": _Entry(lambda now, run, who, given: scores.captain(now, run, CaptainSign(
+                now.utc, given["name"], given["refused"], given["comment"], given["drawing"], who))),
             "decide": _Entry(
                 lambda now, run, who, given: scores.decide(
                     now, run, given["number"], given["accept"], given["reason"], who)),

@@ -112,7 +112,7 @@ def run_sheet(record: RunRecord, why: Optional[Why]) -> RunSheet:
     return RunSheet(
         run_line(record, why), tuple(record.robots), record.elapsed_s, _given_items(record),
         happened.history, happened.ends, record.module_scores, record.points, happened.entries, happened.outages,
-        happened.proposals,
+        happened.proposals, happened.captain,
     )
 
 
