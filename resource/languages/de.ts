@@ -682,6 +682,41 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>the run, as soon as there is one</source>
+        <translation>den Lauf, sobald es einen gibt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>only the clock</source>
+        <translation>nur die Uhr</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>the newest result</source>
+        <translation>das neueste Ergebnis</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>your own text</source>
+        <translation>eigenen Text</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>nothing</source>
+        <translation>nichts</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Your own text</source>
+        <translation>Eigener Text</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Dr. Ada Byron | Head referee</source>
+        <translation>Dr. Ada Byron | Hauptschiedsrichterin</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>This device is not paired</source>
         <translation>Dieses Gerät ist nicht gekoppelt</translation>
     </message>
@@ -1370,6 +1405,26 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>The box does not answer yet. This page continues by itself.</source>
+        <translation>Die Box antwortet noch nicht. Diese Seite macht von selbst weiter.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>This page needs JavaScript: allow it in the browser&apos;s settings.</source>
+        <translation>Diese Seite braucht JavaScript: in den Einstellungen des Browsers erlauben.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>There is no such page</source>
+        <translation>Diese Seite gibt es nicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>All pages of this box</source>
+        <translation>Alle Seiten dieser Box</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
         <source>Nothing is running at the moment</source>
         <translation>Im Moment läuft nichts</translation>
     </message>
@@ -1510,11 +1565,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/public.py"/>
-        <source>Referees</source>
-        <translation>Schiedsrichter</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/public.py"/>
         <source>Data for programs</source>
         <translation>Daten für Programme</translation>
     </message>
@@ -1540,8 +1590,98 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/public.py"/>
-        <source>getting ready</source>
-        <translation>macht sich bereit</translation>
+        <source>{time} instead of {planned}</source>
+        <translation>{time} statt {planned}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Points</source>
+        <translation>Punkte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Rank</source>
+        <translation>Rang</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Rank {rank}</source>
+        <translation>Rang {rank}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Each zone will have a line here with its team, its state and its clock.</source>
+        <translation>Jede Zone bekommt hier eine Zeile mit Team, Zustand und Uhr.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>The teams will be listed here as soon as the box has a schedule.</source>
+        <translation>Hier stehen die Teams, sobald die Box einen Zeitplan hat.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Watch</source>
+        <translation>Zuschauen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Clocks, results and standings as they happen.</source>
+        <translation>Uhren, Ergebnisse und Ranglisten, während sie entstehen.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Runs in progress: {number}</source>
+        <translation>Laufende Läufe: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Referee</source>
+        <translation>Schiedsrichter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Start and stop runs, mark the score sheet, sign it off.</source>
+        <translation>Läufe starten und stoppen, den Wertungsbogen ausfüllen und abzeichnen.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Needs a code of the organiser</source>
+        <translation>Braucht einen Code des Veranstalters</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>See your robot&apos;s link, your times and your results.</source>
+        <translation>Verbindung des eigenen Roboters, Zeiten und Ergebnisse.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Teams: {number}</source>
+        <translation>Teams: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Organise</source>
+        <translation>Veranstalten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Schedule, zones, results, devices and displays.</source>
+        <translation>Zeitplan, Zonen, Ergebnisse, Geräte und Anzeigen.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Events to come: {number}</source>
+        <translation>Kommende Läufe: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>More pages</source>
+        <translation>Weitere Seiten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>ready</source>
+        <translation>bereit</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/public.py"/>
@@ -1990,11 +2130,6 @@
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>no name</source>
         <translation>ohne Namen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
-        <source>Referee</source>
-        <translation>Schiedsrichter</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
@@ -4340,11 +4475,6 @@
         <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
         <source>not ready: {why}</source>
         <translation>nicht bereit: {why}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>
-        <source>ready</source>
-        <translation>bereit</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/runs/all_robots.py"/>

@@ -1,6 +1,6 @@
 // The codes of all teams, for the organiser, to be printed (docs/web.md, "Pages of teams").
 
-import {address, html, parameters, show, useEffect, useState} from "/assets/parts.js";
+import {Trouble, address, html, parameters, show, useEffect, useState} from "/assets/parts.js";
 import {ask, reasonsText} from "/assets/device.js";
 import {Twice} from "/assets/buttons.js";
 
@@ -24,21 +24,21 @@ function Codes({live, words}) {
   document.title = texts.codes;
   if (!isPaired) {
     return html`
-      <h1 class="title">${texts.codes}</h1>
-      <p class="nothing">${texts.for_organisers}</p>
-      <p><a class="button main" href=${address("/pair")}>${texts.pair_title}</a></p>`;
+      <h1>${texts.codes}</h1>
+      <p class="quiet">${texts.for_organisers}</p>
+      <p><a class="button next" href=${address("/pair")}>${texts.pair_title}</a></p>`;
   }
   return html`
-    ${trouble && html`<p class="alarm" role="alert">${trouble}</p>`}
-    <h1 class="title">${texts.codes}</h1>
+    <${Trouble} text=${trouble} />
+    <h1>${texts.codes}</h1>
     ${list && html`
-      <p class="nothing">${list.team_pages === "all" ? texts.codes_for_all : texts.codes_how}</p>
-      <ul class="rows">${list.codes.map(({team, code}) => html`
-        <li class="line" data-team=${team}><strong>${team}</strong> <code>${code}</code>
-          <span class="at">${location.origin}/team/${encodeURIComponent(team)}</span></li>`)}
+      <p class="quiet">${list.team_pages === "all" ? texts.codes_for_all : texts.codes_how}</p>
+      <ul class="panel codes-list">${list.codes.map(({team, code}) => html`
+        <li data-team=${team}><b>${team}</b> <code>${code}</code>
+          <span class="quiet">${location.origin}/team/${encodeURIComponent(team)}</span></li>`)}
       </ul>
-      <div class="grid unprinted">
-        <button type="button" class="main" onClick=${() => print()}>${texts.print}</button>
+      <div class="buttons">
+        <button type="button" class="button next" onClick=${() => print()}>${texts.print}</button>
         <${Twice} label=${texts.new_codes} question=${texts.really} act=${() => send("POST")} name="new_codes" />
       </div>`}`;
 }

@@ -1,20 +1,20 @@
 // The public display. ?zone=… (several), ?show=run, standings, …, ?layout=board or list, ?language=…, ?name=…
 
 import {
-  Card, EXPLAINED, Line, Ticking, clockText, html, isChosen, lists, parameters, show, shown, troubleText, useEffect,
-  useLayoutEffect, useRef, useState,
+  Clock, EXPLAINED, Fit, Icon, Line, Progress, Standing, State, TeamMark, Ticking, Trouble, Zone, band, clockText, html,
+  initials, isChosen, lists, parameters, ranksOf, show, shown, troubleText, useEffect, useLayoutEffect, useRef, useState,
 } from "/assets/parts.js";
 
 const PAGE_MS = 8000;
-// A longer title of the competition has two lines of smaller letters.
-const LONG_TITLE = 28;
-const CARDS_ON_A_PAGE = 6;
-const CARDS_IN_A_COLUMN = 3;
+const ZONES_ON_A_PAGE = 6;
+const ZONES_IN_A_COLUMN = 3;
 const DOCUMENTS = ["page.words", "page.runs", "page.next", "page.results", "page.standings", EXPLAINED];
 // Displays that show something else have no space for runs.
 const WITH_RUNS = ["rotating", "run"];
 // Scores of one line of a list that stay on one page.
 const SCORES_TOGETHER = 4;
+// How long a result has the screen to itself.
+const RESULT_MS = 10000;
 // The competition's, among the pictures of the teams.
 const LOGO = "competition";
 
@@ -27,74 +27,123 @@ function layout() {
   return innerWidth >= 800 && innerWidth > innerHeight ? "board" : "list";
 }
 
-// Distribute items evenly over pages of limited size; without items there is one empty page.
+// Distribute items evenly over pages of limited size; without items there is no page.
 function evenPages(items, onAPage) {
-  const count = Math.max(1, Math.ceil(items.length / onAPage));
-  const pages = [];
-  for (let number = 0, begin = 0; number < count; number += 1) {
-    const end = begin + Math.floor(items.length / count) + (number < items.length % count ? 1 : 0);
-    pages.push(items.slice(begin, end));
-    begin = end;
-  }
-  return pages;
+  const count = Math.ceil(items.length / onAPage);
+  return Array.from({length: count}, (_, page) => items.slice(
+    Math.ceil(items.length * page / count), Math.ceil(items.length * (page + 1) / count)));
 }
 
-function Head({live, words, mark}) {
+const numbered = (title, number, count) => (count > 1 ? `${title} ${number + 1}/${count}` : title);
+
+function Top({live, words, title}) {
   const trouble = troubleText(live, words);
-  if (trouble) {
-    return html`
-      <header class="alarm">
-        <h1 class="unseen">${words.title || words.display}</h1>
-        <span role="alert">${trouble}</span>
-      </header>`;
-  }
   return html`
-    <header class="head">
-      ${words.logos.includes(LOGO) && html`<img class="logo" src="/logos/${LOGO}" alt="" />`}
-      <div class="titles">
-        ${words.title && html`<h1 class=${words.title.length > LONG_TITLE ? "title long" : "title"}>${words.title}</h1>`}
-        ${!words.title && html`<h1 class="unseen">${words.display}</h1>`}
-        <div class="date">${words.date}</div>
-      </div>
-      <div class="mark">${mark}</div>
-      <${Ticking} class="clock" make=${() => clockText(live.now(), words)} />
+    <header class="top">
+      ${trouble ? html`<${Trouble} text=${trouble} />` : html`
+        ${words.logos.includes(LOGO) && html`<${TeamMark} team=${LOGO} live=${live} />`}
+        <span class="title"><span>${title || words.title}</span></span>
+        ${!title && html`<span class="date">${words.date}</span>`}
+        <${Ticking} class="clock" make=${() => clockText(live.now(), words).slice(0, 5)} />`}
     </header>`;
 }
 
-function mark(title, number, count) {
-  return count > 1 ? `${title} ${number + 1}/${count}` : "";
+// The next event, and how late it is.
+function Next({line, words}) {
+  return html`
+    <footer class="next-up">
+      ${line && html`
+        <${Fit} class="what">${words.next}: <b>${line.team}</b> · ${[line.benchmark, line.last].filter(Boolean).join(" · ")}<//>
+        ${line.planned ? html`
+          <span class="chip warning"><${Icon} name="late" /> ${words.late.replace("{time}", () => line.time).replace("{planned}", () => line.planned)}</span>`
+        : html`<b>${line.time}</b>`}`}
+    </footer>`;
 }
 
-function kindOf(list) {
-  return list.blocks ? "explained" : "table";
+// The runs while something else has the screen: their clocks are always there.
+const Runs = ({runs, live}) => html`
+  <footer class="runs">${runs.map((run) => html`
+    <div key=${run.zone} class=${band(run)}>
+      ${runs.length > ZONES_IN_A_COLUMN ? html`<b class="team">${initials(run.team)}</b>` : html`<${Fit} class="team">${run.team}<//>`}
+      <${Clock} run=${run} live=${live} /><${Progress} run=${run} live=${live} />
+    </div>`)}</footer>`;
+
+function Zones({runs, live, words, next}) {
+  const columns = runs.length > ZONES_IN_A_COLUMN ? 2 : 1;
+  return html`
+    <section class="zones" data-columns=${columns} data-rows=${Math.ceil(runs.length / columns)}>
+      <h2 class="unseen">${words.runs}</h2>
+      ${runs.map((run) => html`<${Zone} key=${run.zone} run=${run} live=${live} />`)}
+      ${runs.length === 0 && html`
+        <div class="nothing"><p class="lead">${words.nothing_runs}</p>
+          ${next && html`<p>${[`${words.next}: ${next.time}`, next.team, next.benchmark, next.last].filter(Boolean).join(" · ")}</p>`}
+        </div>`}
+    </section>`;
 }
 
-// Lines with their scores, in pieces that stay together.
+// The moment of a result.
+const Result = ({line, live, words}) => html`
+  <section class="result band ${line.look}">
+    <div class="who">
+      <${TeamMark} team=${line.of_team} live=${live} />
+      <${Fit} tag="h2" class="team">${line.team}<//>
+      <${Fit} tag="p" class="benchmark">${line.benchmark}<//>
+      <${State} run=${line} word=${line.last} />
+    </div>
+    <div class="points">
+      ${line.points && html`<b>${line.points}</b><span>${words.points}</span>`}
+      ${line.rank && html`<p class="rank">${words.rank_is.replace("{rank}", () => line.rank)}</p>`}
+    </div>
+    <p class="scores">${line.scores.join(" · ")}</p>
+  </section>`;
+
+// A result that came while this page is open, for some seconds.
+function useNewResult(live) {
+  const {results} = live.data["page.results"];
+  const known = useRef(null);
+  const [moment, setMoment] = useState(null);
+  useEffect(() => {
+    const line = known.current && live.silentSince === null
+      && results.find((one) => !known.current.has(one.key) && isChosen(one));
+    known.current = new Set(results.map(({key}) => key));
+    line && setMoment(line);
+  }, [results]);
+  useEffect(() => {
+    const timer = moment && setTimeout(() => setMoment(null), RESULT_MS);
+    return () => clearTimeout(timer);
+  }, [moment]);
+  return moment;
+}
+
+// What stays together of a list, in the order in which it is shown.
 function blocks(list) {
-  if (list.blocks) {
-    return list.blocks;
+  if (list.blocks || list.standing) {
+    return list.blocks || ranksOf(list.standing);
   }
-  return list.lines.flatMap((line) => {
-    const pieces = [line.scores.slice(0, SCORES_TOGETHER)];
-    for (let begin = SCORES_TOGETHER; begin < line.scores.length; begin += SCORES_TOGETHER) {
-      pieces.push(line.scores.slice(begin, begin + SCORES_TOGETHER));
-    }
-    return pieces.map((scores, number) => html`<${Line} line=${line} scores=${scores} isMore=${number > 0} />`);
-  });
+  return list.lines.flatMap((line) => Array.from({length: Math.max(1, Math.ceil(line.scores.length / SCORES_TOGETHER))}, (_, number) => html`
+    <${Line} line=${line} scores=${line.scores.slice(SCORES_TOGETHER * number, SCORES_TOGETHER * (number + 1))} isMore=${number > 0} />`));
 }
 
-// The pages of all lists: how many blocks fit on each is measured on an unseen copy.
-function Board({all, turn}) {
-  const copy = useRef(null);
-  const [sizes, setSizes] = useState("");
+function List({list, part = blocks(list), live, words}) {
+  if (list.standing) {
+    return html`<${Standing} standing=${list.standing} ranks=${part} live=${live} words=${words} />`;
+  }
+  return part.length === 0 ? html`<p class="nothing">${list.nothing}</p>`
+    : html`<ul class=${list.blocks ? "explained" : "lines"}>${part}</ul>`;
+}
+
+// How many blocks of each list fit on each of its pages: measured on an unseen copy.
+function useCounts(all, copy) {
+  const [sizes, setSizes] = useState("[]");
   useLayoutEffect(() => {
     const high = copy.current.clientHeight;
-    const measured = [...copy.current.children].map((list) => {
-      const pages = [0];
+    setSizes(JSON.stringify([...copy.current.children].map((list) => {
+      const pages = [0], head = list.querySelector("thead");
+      const free = high - (head ? head.getBoundingClientRect().height : 0);
       let used = 0;
-      for (const block of list.children) {
+      for (const block of list.tagName === "TABLE" ? list.tBodies[0].rows : list.matches("ul") ? list.children : []) {
         const needed = block.getBoundingClientRect().height;
-        if (used + needed > high + 1 && pages[pages.length - 1] > 0) {
+        if (used + needed > free + 1 && pages[pages.length - 1] > 0) {
           pages.push(0);
           used = 0;
         }
@@ -102,38 +151,38 @@ function Board({all, turn}) {
         used += needed;
       }
       return pages;
-    });
-    setSizes(JSON.stringify(measured));
+    })));
   });
-  const made = all.map(blocks);
-  const pages = (sizes ? JSON.parse(sizes) : []).slice(0, all.length).flatMap((counts, number) => {
-    let begin = 0;
-    const parts = counts.map((count) => made[number].slice(begin, begin += count));
-    const shown = all[number].isFirst ? parts.slice(0, 1) : parts;
-    return shown.map((part, i) => ({
-      title: mark(all[number].title, i, shown.length) || all[number].title, part, nothing: all[number].nothing,
-      kind: kindOf(all[number]),
-    }));
-  });
-  const page = pages.length ? pages[turn % pages.length] : {title: "", part: [], nothing: ""};
-  return html`
-    <section class="below">
-      <h2>${page.title}</h2>
-      <div class="lines">
-        <ul class=${page.kind}>${page.part}</ul>
-        ${page.part.length === 0 && html`<p class="nothing">${page.nothing}</p>`}
-        <div class="copy" aria-hidden="true" ref=${copy}>${made.map((part, i) => html`<ul class=${kindOf(all[i])}>${part}</ul>`)}</div>
-      </div>
-    </section>`;
+  return JSON.parse(sizes).slice(0, all.length);
 }
 
-function Lists({all}) {
-  return all.map((list) => html`
-    <section class="below">
-      <h2>${list.title}</h2>
-      <ul class=${kindOf(list)}>${blocks(list)}</ul>
-      ${blocks(list).length === 0 && html`<p class="nothing">${list.nothing}</p>`}
-    </section>`);
+// All screens in turns: the runs, then each page of the lists, with the runs between them.
+function Board({live, words, runs, all, hasRuns, turn}) {
+  const copy = useRef(null);
+  const zones = hasRuns ? evenPages(runs, ZONES_ON_A_PAGE) : [];
+  const pages = useCounts(all, copy).flatMap((counts, number) => {
+    let begin = 0;
+    const made = blocks(all[number]);
+    const parts = counts.map((count) => made.slice(begin, begin += count));
+    const taken = all[number].isFirst ? parts.slice(0, 1) : parts;
+    return taken.map((part, place) => ({list: all[number], part, title: numbered(all[number].title, place, taken.length)}));
+  }).filter(({part}) => !hasRuns || part.length > 0);
+  const screens = !hasRuns ? pages : zones.length === 0 ? [{runs: []}, ...pages]
+    : Array.from({length: Math.max(zones.length, pages.length)}, (_, place) => [
+      {runs: zones[place % zones.length], title: zones.length > 1 && numbered(words.runs, place % zones.length, zones.length)},
+      ...(pages.length ? [pages[place % pages.length]] : [])]).flat();
+  const screen = screens.length ? screens[turn % screens.length] : {list: {nothing: ""}, part: []};
+  const [next] = live.data["page.next"].lines.filter(isChosen);
+  return html`
+    <${Top} live=${live} words=${words} title=${screen.title} />
+    ${screen.runs ? html`<${Zones} runs=${screen.runs} live=${live} words=${words} next=${next} />` : html`
+      <section class="list" style=${{"--rows": screen.part.length + 1}}>
+        <h2 class="unseen">${screen.title}</h2>
+        <${List} key=${screen.title} list=${screen.list} part=${screen.part} live=${live} words=${words} />
+      </section>`}
+    <div class="copy" aria-hidden="true" ref=${copy}>${all.map((list) => html`<${List} list=${list} live=${live} words=${words} />`)}</div>
+    ${screen.runs || !hasRuns || runs.length === 0 ? html`<${Next} line=${next} words=${words} />`
+    : html`<${Runs} runs=${runs.slice(0, ZONES_ON_A_PAGE)} live=${live} />`}`;
 }
 
 function Display({live, words}) {
@@ -143,27 +192,26 @@ function Display({live, words}) {
     return () => clearInterval(timer);
   }, []);
   document.title = words.title || words.display;
-  const kind = layout();
-  document.body.dataset.layout = kind;
-  if (!live.data["page.runs"]) {
-    return html`<p class="waiting">${words.waiting}</p>`;
-  }
+  const kind = document.body.dataset.layout = layout();
+  const moment = useNewResult(live);
   const runs = live.data["page.runs"].runs.filter(isChosen);
-  const pages = kind === "board" ? evenPages(runs, CARDS_ON_A_PAGE) : [runs];
-  const number = turn % pages.length;
-  const cards = pages[number];
-  const columns = kind === "board" && cards.length > CARDS_IN_A_COLUMN ? 2 : 1;
   const all = lists(live, words, shown());
   const hasRuns = WITH_RUNS.includes(shown());
-  return html`
-    <${Head} live=${live} words=${words} mark=${hasRuns ? mark(words.runs, number, pages.length) : ""} />
-    ${hasRuns && html`
-      <section class="cards" data-columns=${columns} data-rows=${Math.ceil(cards.length / columns)}>
-        <h2 class="unseen">${words.runs}</h2>
-        ${cards.map((run) => html`<${Card} key=${run.zone} run=${run} live=${live} />`)}
-        ${cards.length === 0 && html`<p class="nothing">${words.nothing_runs}</p>`}
-      </section>`}
-    ${kind === "board" ? html`<${Board} all=${all} turn=${turn} />` : html`<${Lists} all=${all} />`}`;
+  const title = html`<h1 class="unseen">${words.title || words.display}</h1>`;
+  if (kind === "list") {
+    return html`${title}
+      <${Top} live=${live} words=${words} />
+      ${moment && html`<${Result} line=${moment} live=${live} words=${words} />`}
+      ${hasRuns && html`<${Zones} runs=${runs} live=${live} words=${words} />`}
+      ${all.map((list) => html`<section><h2>${list.title}</h2><${List} list=${list} live=${live} words=${words} /></section>`)}`;
+  }
+  if (moment) {
+    return html`${title}
+      <${Top} live=${live} words=${words} title=${words.results} />
+      <${Result} line=${moment} live=${live} words=${words} />
+      <${Runs} runs=${runs.slice(0, ZONES_ON_A_PAGE)} live=${live} />`;
+  }
+  return html`${title}<${Board} live=${live} words=${words} runs=${runs} all=${all} hasRuns=${hasRuns} turn=${turn} />`;
 }
 
 show(Display, DOCUMENTS, "display");

@@ -1,6 +1,6 @@
 // The organiser's list of displays, and what each of them shows (docs/web.md, "Displays").
 
-import {address, clockText, html, parameters, show, useEffect, useState} from "/assets/parts.js";
+import {Trouble, address, clockText, html, parameters, show, useEffect, useState} from "/assets/parts.js";
 import {ask, reasonsText} from "/assets/device.js";
 
 const AGAIN_MS = 2000;
@@ -17,6 +17,20 @@ function Choice({id, text, value, choices, texts, act}) {
     </div>`;
 }
 
+function Typed({id, text, value, act, ...rest}) {
+  const [typed, setTyped] = useState(null);  // the list comes again while somebody types
+  const changed = async (event) => {
+    await act(event.target.value);
+    setTyped(null);
+  };
+  return html`
+    <div>
+      <label for=${id}>${text}</label>
+      <input id=${id} value=${typed === null ? value : typed} autocomplete="off" ...${rest}
+        onInput=${(event) => setTyped(event.target.value)} onChange=${changed} />
+    </div>`;
+}
+
 function facts(row, words, texts) {
   const {display} = row;
   if (!display) {
@@ -26,7 +40,7 @@ function facts(row, words, texts) {
   const zones = zone === null ? display.zones : [zone].filter(Boolean);
   return [
     `/${display.page}`, display.address, display.size.replace("x", " × "),
-    ...(display.page === "display" ? [texts[`show_${what || display.show}`]] : []),
+    texts[`${display.page === "display" ? "show" : "overlay"}_${what || display.show}`] || "",
     zones.length > 0 ? zones.join(", ") : texts.all_zones, language || display.language,
     texts.since.replace("{time}", () => clockText(display.since, words)),
     ...(row.windows > 1 ? [texts.windows.replace("{number}", () => row.windows)] : []),
@@ -35,34 +49,30 @@ function facts(row, words, texts) {
 
 function Row({row, list, words, texts, set, takeBack}) {
   const {setting} = row;
-  const [typed, setTyped] = useState(null);  // the list comes again while somebody types
-  const rename = async (name) => {
-    await set({name});
-    setTyped(null);
-  };
   const part = (name) => `${name}-${row.id}`;
   const zones = [...new Set([...list.zones, ...(setting.zone ? [setting.zone] : [])])];
   const name = row.name || texts.unnamed;
+  const isOverlay = row.display ? row.display.page === "overlay" : Boolean(setting.caption);
+  const shows = isOverlay ? list.overlay_shows : list.shows;
   return html`
-    <li class="display ${row.display ? "" : "gone"}" data-name=${row.name}>
+    <li class="panel ${row.display ? "" : "gone"}" data-name=${row.name}>
       <h2>${name}</h2>
-      <p class="facts">${facts(row, words, texts)}</p>
+      <p class="quiet">${facts(row, words, texts)}</p>
       <fieldset>
         <legend class="unseen">${name}</legend>
-        <div>
-          <label for=${part("name")}>${texts.name}</label>
-          <input id=${part("name")} value=${typed === null ? setting.name : typed} maxlength="40" autocomplete="off"
-            placeholder=${row.display ? row.display.name : ""} onInput=${(event) => setTyped(event.target.value)}
-            onChange=${(event) => rename(event.target.value)} />
-        </div>
+        <${Typed} id=${part("name")} text=${texts.name} value=${setting.name} maxlength="40"
+          placeholder=${row.display ? row.display.name : ""} act=${(value) => set({name: value})} />
         <${Choice} id=${part("show")} text=${texts.show} value=${setting.show} texts=${texts} act=${(value) => set({show: value})}
-          choices=${list.shows.map((one) => [one, texts[`show_${one}`]])} />
+          choices=${shows.map((one) => [one, texts[isOverlay ? `overlay_${one}` : `show_${one}`]])} />
         <${Choice} id=${part("zone")} text=${texts.zone} value=${setting.zone} texts=${texts} act=${(value) => set({zone: value})}
           choices=${[["", texts.all_zones], ...zones.map((zone) => [zone, zone])]} />
         <${Choice} id=${part("language")} text=${texts.language} value=${setting.language} texts=${texts}
           act=${(value) => set({language: value})} choices=${list.languages.map((one) => [one, one])} />
+        ${isOverlay && html`
+          <${Typed} id=${part("caption")} text=${texts.caption} value=${setting.caption} maxlength="120"
+            placeholder=${texts.caption_how} act=${(value) => set({caption: value, show: value ? "caption" : null})} />`}
       </fieldset>
-      ${row.is_set && html`<button type="button" data-command="take_back" onClick=${takeBack}>${texts.take_back}</button>`}
+      ${row.is_set && html`<button type="button" class="button" data-command="take_back" onClick=${takeBack}>${texts.take_back}</button>`}
     </li>`;
 }
 
@@ -99,25 +109,27 @@ function Displays({live, words}) {
 
   if (!isPaired) {
     return html`
-      <h1 class="title">${texts.displays}</h1>
-      <p class="nothing">${texts.for_organisers}</p>
-      <p class="nothing">${texts.pair_how}</p>
-      <p><a class="button main" href=${address("/pair")}>${texts.pair_title}</a></p>`;
+      <h1>${texts.displays}</h1>
+      <p class="quiet">${texts.for_organisers}</p>
+      <p class="quiet">${texts.pair_how}</p>
+      <p><a class="button next" href=${address("/pair")}>${texts.pair_title}</a></p>`;
   }
   return html`
-    ${trouble && html`<p class="alarm" role="alert">${trouble}</p>`}
-    <h1 class="title">${texts.displays}</h1>
-    <p class="nothing">${texts.displays_how}</p>
-    <p><a class="button" href=${address("/codes")}>${texts.codes}</a></p>
+    <${Trouble} text=${trouble} />
+    <h1>${texts.displays}</h1>
+    <p class="quiet">${texts.displays_how}</p>
     ${list && html`
-      <button type="button" data-command="show_names" onClick=${() => send({show_names: true})}>${texts.show_names}</button>
-      <ul class="rows">${list.displays.map((row) => html`
+      <div class="buttons">
+        <button type="button" class="button" data-command="show_names" onClick=${() => send({show_names: true})}>${texts.show_names}</button>
+        <a class="button" href=${address("/codes")}>${texts.codes}</a>
+      </div>
+      <ul class="screens">${list.displays.map((row) => html`
         <${Row} key=${row.id} row=${row} list=${list} words=${words} texts=${texts}
           set=${(change) => send({id: row.id, setting: change})}
           takeBack=${() => send({id: row.id, take_back: true})} />`)}
       </ul>
-      ${list.displays.length === 0 && html`<p class="nothing">${texts.no_displays}</p>`}
-      ${list.unlisted > 0 && html`<p class="nothing">${texts.unlisted.replace("{number}", () => list.unlisted)}</p>`}`}`;
+      ${list.displays.length === 0 && html`<p class="panel empty quiet">${texts.no_displays}</p>`}
+      ${list.unlisted > 0 && html`<p class="quiet">${texts.unlisted.replace("{number}", () => list.unlisted)}</p>`}`}`;
 }
 
 show(Displays, ["page.words", "page.device_words"]);

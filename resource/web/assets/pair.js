@@ -1,6 +1,6 @@
 // Pairs this device. The link of the QR code is in the address after #, so it is in no log. It begins with the code.
 
-import {address, html, parameters, show, useEffect, useState} from "/assets/parts.js";
+import {Icon, Trouble, address, html, parameters, show, useEffect, useState} from "/assets/parts.js";
 import {Missing} from "/assets/phone.js";
 import {ask, deviceName, ownPage, reasonsText, roleText} from "/assets/device.js";
 
@@ -68,21 +68,21 @@ function Pair({live, words}) {
 
   const isOpen = location.protocol !== "https:" && !["localhost", "127.0.0.1"].includes(location.hostname);
   return html`
-    ${trouble && html`<p class="alarm" role="alert">${trouble}</p>`}
-    <h1 class="title">${texts.pair_title}</h1>
-    ${session && html`
-      <p class="paired">${texts.paired_as.replace("{role}", () => roleText(session, texts))} (${session.person})</p>
+    <${Trouble} text=${trouble} />
+    <h1>${texts.pair_title}</h1>
+    ${session && html`<section class="panel paired">
+      <p><b>${texts.paired_as.replace("{role}", () => roleText(session, texts))} (${session.person})</b></p>
       ${[["/referee", texts.referee_page], ...(session.role === "judge" ? [] : [["/box", texts.whole_box]])].map(([path, text]) => html`
-        <p><a class="button ${path === ownPage(session) ? "main" : ""}" href=${address(path)}>${text}</a></p>`)}
-      <p><button type="button" onClick=${end}>${texts.end_pairing}</button></p>`}
-    <form onSubmit=${pair}>
+        <p><a class="button ${path === ownPage(session) ? "next" : ""}" href=${address(path)}>${text}</a></p>`)}
+      <p><button type="button" class="button" onClick=${end}>${texts.end_pairing}</button></p></section>`}
+    <form class="panel" onSubmit=${pair}>
       <${Field} key=${link} name="code" text=${texts.code} value=${linked} autocapitalize="characters" />
       <${Field} name="person" text=${texts.your_name} value=${parameters.get("person") || localStorage.getItem(NAME) || ""} />
       <${Field} name="device" text=${texts.this_device} value=${deviceName()} />
-      <button class="main" disabled=${isBusy}>${texts.pair}</button>
+      <button class="button next" disabled=${isBusy}>${texts.pair}</button>
     </form>
-    <p class="nothing">${texts.pair_how}</p>
-    ${isOpen && html`<p class="nothing">${texts.not_encrypted}</p>`}
+    <p class="quiet">${texts.pair_how}</p>
+    ${isOpen && html`<p class="banner warning"><${Icon} name="warning" /><span>${texts.not_encrypted}</span></p>`}
     <${Missing} texts=${texts} />`;
 }
 

@@ -13,12 +13,15 @@ export const EXPLAINED = "page.explained";
 const DEVICE_WORDS = "page.device_words";
 const {strip} = window;  // STOP, on a paired device: see stop.js
 const RESIZED_MS = 1000;
+const LOGO_AGAIN_MS = 15000;
 const DISPLAYS = "roah_rsbb_displays", DISPLAY_NAME = "roah_rsbb_display_name";
 
 // What the organiser has set for this display. A field that is null is as the address of the page says.
 let central = {};
+export const caption = () => central.caption || "";
 
 // Show a page: `Page` gets the live data and the texts of the language. `display`: its name in the organiser's list.
+// Until its first message has come, what the server has written stays.
 export function show(Page, documents = DOCUMENTS, display = "") {
   const place = document.getElementById("page");
   const query = () => ({
@@ -28,7 +31,15 @@ export function show(Page, documents = DOCUMENTS, display = "") {
   const open = () => [...Object.entries(query()), ...(display ? parameters.getAll("zone").map((zone) => ["zone", zone]) : [])];
   const draw = () => {
     strip && live.data[DEVICE_WORDS] && strip.speak(live.data[DEVICE_WORDS], () => null);
-    render(html`<${Whole} page=${Page} live=${live} />`, place);
+    const words = live.data["page.words"];
+    if (words && (live.data["page.runs"] || !documents.includes("page.runs"))) {
+      place.firstElementChild && place.firstElementChild.matches(".first") && place.firstElementChild.remove();
+      document.documentElement.lang = words.language;
+      document.body.classList.toggle("old", live.silentSince !== null);
+      render(html`
+        <${Page} live=${live} words=${words} />
+        ${central.shows_name && html`<p class="identify" role="status">${central.name}</p>`}`, place);
+    }
   };
   const changed = () => {
     const before = central.language || null;
@@ -46,7 +57,6 @@ export function show(Page, documents = DOCUMENTS, display = "") {
     resized = display && setTimeout(() => live.reopen(open()), RESIZED_MS);
   });
   window.live = live;  // for the browser's console, and for tests
-  draw();
 }
 
 // The identity of this display, which its browser keeps. Several windows of a browser differ by ?name=…
@@ -64,18 +74,6 @@ function identity() {
 // What a display shows: as the organiser has set, else as its address says.
 export function shown() {
   return central.show || parameters.get("show") || "rotating";
-}
-
-function Whole({page, live}) {
-  const words = live.data["page.words"];
-  if (!words) {
-    return null;
-  }
-  document.documentElement.lang = words.language;
-  document.body.classList.toggle("old", live.silentSince !== null);
-  return html`
-    <${page} live=${live} words=${words} />
-    ${central.shows_name && html`<p class="identify" role="status">${central.name}</p>`}`;
 }
 
 // The zones that the organiser or the address chooses, as in ?zone=Home+A&zone=Home+B; all without one.
@@ -112,7 +110,7 @@ export function countdown(seconds) {
   return minutes >= 60 ? `${Math.floor(minutes / 60)}:${two(minutes % 60)}:${rest}` : `${minutes}:${rest}`;
 }
 
-export function bigText(run, now) {
+function bigText(run, now) {
   if (now === null || (run.ends === null && run.counts_from === null)) {
     return run.big;
   }
@@ -123,15 +121,17 @@ export function clockText(now, words) {
   return now === null ? "" : new Date((now + words.utc_offset_s) * 1000).toISOString().slice(11, 19);
 }
 
-// A text that changes with time by itself. `make` returns it.
-export function Ticking({make, tag = "span", ...rest}) {
+// What changes with time by itself. `make` returns it.
+function useTicking(make) {
   const [, redraw] = useState("");
   useEffect(() => {
     const timer = setInterval(() => redraw(make()), 100);
     return () => clearInterval(timer);
   });
-  return html`<${tag} ...${rest}>${make()}<//>`;
+  return make();
 }
+
+export const Ticking = ({make, tag = "span", ...rest}) => html`<${tag} ...${rest}>${useTicking(make)}<//>`;
 
 // Why the content may be out of date, or that it is a replay; empty: it is current.
 export function troubleText(live, words) {
@@ -141,86 +141,157 @@ export function troubleText(live, words) {
   return words.no_signal.replace("{time}", clockText(live.silentSince, words));
 }
 
-// -- texts --------------------------------------------------------------------------------------------
+export const Trouble = ({text}) => text && html`
+  <p class="banner warning trouble" role="alert"><${Icon} name="warning" /><span>${text}</span></p>`;
 
-// A line that shrinks until it fits.
-export function Fit({children, ...rest}) {
+// -- runs ---------------------------------------------------------------------------------------------
+
+// Lines that shrink until they fit: all at once, because the browser lays the page out before each look.
+let lines = [];
+
+function fit() {
+  const range = document.createRange();
+  lines.forEach(({style}) => Object.assign(style, {fontSize: "", textOverflow: "clip"}));  // the dots would count
+  const shares = lines.map((line) => {
+    range.selectNodeContents(line);
+    return line.getBoundingClientRect().width / range.getBoundingClientRect().width;
+  });
+  // Whole pixels are not exact enough, and letters do not shrink exactly.
+  lines.forEach(({style}, place) => Object.assign(style, {
+    fontSize: shares[place] < 1 ? `${Math.max(SMALLEST, 0.99 * shares[place])}em` : "", textOverflow: ""}));
+  lines = [];
+}
+
+// A line that shrinks until it fits. In lists that scroll it wraps.
+export function Fit({children, tag = "span", ...rest}) {
   const element = useRef(null);
   useLayoutEffect(() => {
-    const inner = element.current;
-    const range = document.createRange();
-    range.selectNodeContents(inner);
-    Object.assign(inner.style, {fontSize: "", textOverflow: "clip"});  // the dots would count
-    const share = inner.getBoundingClientRect().width / range.getBoundingClientRect().width;
-    // Whole pixels are not exact enough, and letters do not shrink exactly.
-    Object.assign(inner.style, {fontSize: share < 1 ? `${Math.max(SMALLEST, 0.99 * share)}em` : "", textOverflow: ""});
+    if (document.body.dataset.layout !== "list" && !element.current.closest(".copy") && lines.push(element.current) === 1) {
+      queueMicrotask(fit);
+    }
   });
-  return html`<span ...${rest}><span class="fit" ref=${element}>${children}</span></span>`;
+  return html`<${tag} ...${rest}><span class="fit" ref=${element}>${children}</span><//>`;
 }
 
-export function Card({run, live}) {
-  const {logos} = live.data["page.words"];
-  const [team] = run.teams.length === 1 && logos.includes(run.teams[0]) ? run.teams : [];
+// Two letters of a name: of its first words, or of its capitals.
+export const initials = (name) => (name.match(/\p{Lu}\p{Ll}*|\p{L}+|\p{N}+/gu) || [name || "?"]).slice(0, 2)
+  .map((word, place, all) => (all.length > 1 ? word.slice(0, 1) : word.slice(0, 2))).join("");
+
+// The logo of a team, or its initials at the same size. A logo that did not come is tried again.
+export function TeamMark({team, live}) {
+  const [tries, setTries] = useState(0);
+  const [isLoaded, setLoaded] = useState(false);
+  const failed = () => {
+    setLoaded(false);
+    setTimeout(() => setTries(tries + 1), LOGO_AGAIN_MS);
+  };
   return html`
-    <article class="card ${run.phase} ${run.is_paused ? "paused" : ""} ${team ? "with-logo" : ""}" data-zone=${run.zone}>
-      ${team && html`<img class="logo" src="/logos/${encodeURIComponent(team)}" alt="" />`}
-      <${Fit} class="team">${run.team}<//>
-      <${Fit} class="benchmark">${run.benchmark}<//>
-      <${Fit} class="place">${run.place}<//>
-      <${Ticking} class="big" make=${() => bigText(run, live.now())} />
-      <span class="word">${run.word}</span>
-    </article>`;
+    <span class="team-mark ${isLoaded ? "has-logo" : ""}" aria-hidden="true">
+      ${isLoaded || initials(team)}
+      ${live.data["page.words"].logos.includes(team) && html`
+        <img key=${tries} hidden=${!isLoaded} alt="" src="/logos/${encodeURIComponent(team)}${tries ? `?${tries}` : ""}"
+          onLoad=${() => setLoaded(true)} onError=${failed} />`}
+    </span>`;
 }
 
+export const Clock = ({run, live, ...rest}) => html`
+  <${Ticking} class="big" make=${() => bigText(run, live.now())} ...${rest} />`;
+
+const SOLID = ["executing", "stopped"];
+export const State = ({run, word = run.word}) => html`
+  <span class="chip ${run.look} word"><${Icon} name=${run.is_paused ? "pause" : run.look} solid=${SOLID.includes(run.look)} />
+    <span>${word}</span></span>`;
+
+// How much of a run's time is used.
+export function Progress({run, live}) {
+  const part = useTicking(() => {
+    const left = run.ends === null ? run.left_s : run.ends - live.now();
+    return run.limit && left !== null ? Math.min(1, Math.max(0, 1 - left / run.limit)).toFixed(3) : 0;
+  });
+  return html`<div class="progress" style=${{"--part": part}}></div>`;
+}
+
+// The classes of the ground on which a run stands: its state.
+export const band = (run) => `band ${run.look} ${run.is_paused ? "paused" : ""}`;
+
+// A run: a field of colour with its team and its clock.
+export const Zone = ({run, live}) => html`
+  <article class="zone ${band(run)}" data-zone=${run.zone}>
+    <${TeamMark} key=${run.team} team=${run.team} live=${live} />
+    <div class="who">
+      <${Fit} tag="h3" class="team">${run.team}<//>
+      <${Fit} tag="p" class="benchmark">${run.benchmark}<//>
+      <${Fit} tag="p" class="place">${run.place}<//>
+    </div>
+    <div class="when"><${Clock} run=${run} live=${live} /><${State} run=${run} /></div>
+    <${Progress} run=${run} live=${live} />
+  </article>`;
+
+// -- lists --------------------------------------------------------------------------------------------
+
+// A coming event or a result.
 export function Line({line, scores = line.scores, isMore = false}) {
   return html`
     <li class="line">
       ${!isMore && html`
         <div class="row">
-          <span class="time">${line.time}</span>
+          <${Fit} class="time"><b>${line.time}</b>${line.planned && html` <s>${line.planned}</s>`}<//>
           <${Fit} class="team">${line.team}<//>
           <${Fit} class="benchmark">${line.benchmark}<//>
-          <span class="last">${line.last}</span>
+          ${line.look ? html`<${State} run=${line} word=${line.last} />` : html`<span class="last">${line.last}</span>`}
         </div>`}
       ${scores.length > 0 && html`<div class="scores">${scores.join(" · ")}</div>`}
     </li>`;
 }
 
+// The rows of a standing: its teams, then what a reader must know of it.
+export const ranksOf = ({ranks, notes}) => [...ranks, ...notes.map((note) => ({note}))];
+
+// A standing, as a table.
+export const Standing = ({standing, words, live, ranks = ranksOf(standing), current}) => html`
+  <table class="table standing">
+    <thead><tr>
+      <th scope="col">${words.rank}</th><th scope="col" class="team">${words.team}</th>
+      ${standing.criteria.map((name) => html`<th scope="col" class="number">${name}</th>`)}
+    </tr></thead>
+    <tbody>${ranks.map(({rank, team, numbers, note}) => note ? html`
+      <tr key=${note} class="note"><td colspan=${2 + standing.criteria.length}>* ${note}</td></tr>` : html`
+      <tr key=${team} class="rank" aria-current=${team === current ? "true" : undefined}>
+        <td><b>${rank}</b></td>
+        <th scope="row" class="team"><span><${TeamMark} team=${team} live=${live} /><${Fit}>${team}<//></span></th>
+        ${standing.criteria.map((name, place) => html`<td class="number" data-name=${name}>${numbers[place] || ""}</td>`)}
+      </tr>`)}</tbody>
+  </table>`;
+
 // A run explained: what happens now, its steps, what it is about, and what the robot says.
 function explanation(run) {
-  const marks = {done: "✓", now: "▶", later: "○"};
   const now = run.steps.some((step) => step.state === "now" && step.text === run.now) ? "" : run.now;
+  const icons = {done: "check", now: "executing", later: "waiting"};
   return [
-    (now || run.progress) && html`
-      <li class="line now">${now && html`<b>${now}</b> `}${run.progress && html`<span class="progress">${run.progress}</span>`}</li>`,
+    (now || run.progress) && html`<li class="line now"><b>${now}</b> ${run.progress}</li>`,
     run.steps.length > 0 && html`
-      <li class="line stepped"><ol class="steps">${run.steps.map((step) => html`
-        <li class=${step.state} aria-current=${step.state === "now" ? "step" : undefined}>${marks[step.state]} ${step.text}</li>`)}
+      <li class="line"><ol class="steps">${run.steps.map((step) => html`
+        <li class=${step.state} aria-current=${step.state === "now" ? "step" : undefined}>
+          <${Icon} name=${icons[step.state]} solid=${step.state === "now"} /> ${step.text}</li>`)}
       </ol></li>`,
-    run.about && html`<li class="line about">${run.about}</li>`,
-    ...run.said.slice().reverse().map((text) => html`<li class="line said">${text}</li>`),
+    run.about && html`<li class="line">${run.about}</li>`,
+    ...run.said.slice().reverse().map((text) => html`<li class="line quiet">${text}</li>`),
   ].filter(Boolean);
 }
 
-// The runs explained, each as a list of its own.
-function explanations(live) {
-  const {runs} = live.data["page.runs"];
-  const explained = live.data[EXPLAINED] ? live.data[EXPLAINED].runs : [];
-  return explained.filter(isChosen).flatMap((run) => {
-    const card = runs.find((one) => one.zone === run.zone);
-    return card ? [{title: `${card.team} · ${card.benchmark}`, lines: [], blocks: explanation(run)}] : [];
-  });
-}
-
-// All lists in the order in which they take turns: title, lines or blocks, and whether only the first page is shown.
+// All lists in the order in which they take turns: title, lines, blocks or a standing, and whether only the first page
+// is shown.
 export function lists(live, words, show = "rotating") {
-  const results = live.data["page.results"], standings = live.data["page.standings"];
+  const {runs} = live.data["page.runs"], {standings} = live.data["page.standings"], results = live.data["page.results"];
   const following = live.data["page.next"].lines.filter(isChosen);
   const next = {title: words.next, lines: following, isFirst: show !== "schedule", nothing: words.schedule_is_done};
-  const explained = explanations(live);
-  const ranked = (standings ? standings.standings : []).map(({title, lines}) => ({title, lines}));
+  const explained = live.data[EXPLAINED] ? live.data[EXPLAINED].runs.filter(isChosen).flatMap((run) => {
+    const card = runs.find((one) => one.zone === run.zone);
+    return card ? [{title: `${card.team} · ${card.benchmark}`, blocks: explanation(run)}] : [];
+  }) : [];
+  const ranked = standings.map((standing) => ({title: standing.title, standing}));
   const ended = [[words.results, "results"], [words.provisional, "provisional"]]
-    .map(([title, name]) => ({title, lines: results ? results[name].filter(isChosen) : []}))
+    .map(([title, name]) => ({title, lines: results[name].filter(isChosen)}))
     .filter(({lines}) => lines.length > 0);
   const nothing = (title, text) => [{title, lines: [], nothing: text}];
   return {

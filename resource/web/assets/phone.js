@@ -19,7 +19,7 @@ export function Missing({texts}) {
     isKept.then(setTrusted);
   }, []);
   const missing = !isSecureContext ? texts.needs_certificate : isTrusted ? "" : texts.needs_trust;
-  return missing && html`<p class="nothing missing">${missing}</p>`;
+  return missing && html`<p class="nothing quiet missing">${missing}</p>`;
 }
 
 let lock = null, isNeeded = false;

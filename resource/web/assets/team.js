@@ -1,6 +1,6 @@
 // What is public about a team. Its name is the end of the address.
 
-import {Card, Line, html, parameters, show, troubleText, useEffect, useState} from "/assets/parts.js";
+import {Line, Standing, TeamMark, Trouble, Zone, html, parameters, show, troubleText, useEffect, useState} from "/assets/parts.js";
 import {ask, reasonsText} from "/assets/device.js";
 
 const ALL = "ALL";
@@ -15,14 +15,12 @@ function teamName() {
   }
 }
 
-function Part({title, lines, nothing}) {
-  return html`
-    <section class="below">
-      <h2>${title}</h2>
-      <ul>${lines.map((line) => html`<${Line} line=${line} />`)}</ul>
-      ${lines.length === 0 && html`<p class="nothing">${nothing}</p>`}
-    </section>`;
-}
+const Part = ({title, lines, nothing}) => html`
+  <section>
+    <h2>${title}</h2>
+    ${lines.length > 0 ? html`<ul class="panel lines">${lines.map((line) => html`<${Line} line=${line} />`)}</ul>`
+    : html`<p class="panel empty quiet">${nothing}</p>`}
+  </section>`;
 
 // What the box knows of the team's robot: for everybody, or with the team's code, as the organisers want.
 function Robot({name, live, texts, words}) {
@@ -61,16 +59,15 @@ function Robot({name, live, texts, words}) {
     return null;
   }
   return html`
-    <section class="below device robot">
+    <section>
       <h2>${texts.our_robot}</h2>
-      ${found.is_allowed && html`
-        <ul>${(found.facts || [words.waiting]).map((fact) => html`<li class="line">${fact}</li>`)}</ul>`}
-      ${!found.is_allowed && html`
-        <form onSubmit=${send}>
+      ${found.is_allowed ? html`
+        <ul class="panel lines">${(found.facts || [words.waiting]).map((fact) => html`<li class="line">${fact}</li>`)}</ul>` : html`
+        <form class="panel" onSubmit=${send}>
           <label for="code">${texts.team_code}</label>
           <input id="code" name="code" autocomplete="off" autocapitalize="characters" spellcheck=${false} required maxlength="20" />
-          ${trouble && html`<p class="alarm" role="alert">${trouble}</p>`}
-          <button>${texts.see_robot}</button>
+          <${Trouble} text=${trouble} />
+          <button class="button">${texts.see_robot}</button>
         </form>`}
     </section>`;
 }
@@ -79,30 +76,26 @@ function Team({live, words}) {
   const name = teamName();
   const isOurs = (line) => line.of_team === name || line.of_team === ALL;
   document.title = name;
-  if (!live.data["page.runs"]) {
-    return html`<h1 class="title">${name}</h1><p class="waiting">${words.waiting}</p>`;
-  }
   const runs = live.data["page.runs"].runs.filter((run) => run.teams.includes(name));
   const following = live.data["page.next"].lines.filter(isOurs);
   const {results, provisional} = live.data["page.results"];
   const ours = results.filter(isOurs), early = provisional.filter(isOurs);
   const standings = live.data["page.standings"].standings
-    .map((standing) => ({title: standing.title, lines: standing.lines.filter((line) => line.team === name || !line.team)}))
-    .filter((standing) => standing.lines.some((line) => line.team));
-  const trouble = troubleText(live, words);
+    .filter(({ranks}) => ranks.some(({team}) => team === name));
   return html`
-    ${trouble && html`<header class="alarm"><span role="alert">${trouble}</span></header>`}
-    <h1 class="title">${name}</h1>
+    <${Trouble} text=${troubleText(live, words)} />
+    <header class="head"><${TeamMark} team=${name} live=${live} /><h1>${name}</h1></header>
     ${runs.length > 0 && html`
-      <section class="cards">
+      <section class="zones">
         <h2 class="unseen">${words.runs}</h2>
-        ${runs.map((run) => html`<${Card} key=${run.zone} run=${run} live=${live} />`)}
+        ${runs.map((run) => html`<${Zone} key=${run.zone} run=${run} live=${live} />`)}
       </section>`}
     ${![runs, following, ours, early, standings].some((found) => found.length) && html`
-      <p class="nothing">${words.not_in_schedule}</p>`}
+      <p class="panel empty quiet">${words.not_in_schedule}</p>`}
     <${Robot} key=${name} name=${name} live=${live} texts=${live.data["page.device_words"]} words=${words} />
     <${Part} title=${words.next} lines=${following} nothing=${words.no_events} />
-    ${standings.map((standing) => html`<${Part} ...${standing} nothing="" />`)}
+    ${standings.map((standing) => html`
+      <section><h2>${standing.title}</h2><div class="panel"><${Standing} standing=${standing} words=${words} live=${live} current=${name} /></div></section>`)}
     <${Part} title=${words.results} lines=${ours} nothing=${words.no_results} />
     ${early.length > 0 && html`<${Part} title=${words.provisional} lines=${early} nothing="" />`}`;
 }

@@ -23,6 +23,7 @@ class PublicEvent(NamedTuple):
     round: int
     run: int
     scheduled_utc_s: float
+    begins_utc_s: float = 0.0  # the estimated time of one that has not begun; 0: not known
 
 
 class RobotText(NamedTuple):

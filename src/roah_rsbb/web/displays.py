@@ -17,12 +17,15 @@ from roah_rsbb.wording import device
 from roah_rsbb.wording.language import tr
 
 ROTATING, RUN, STANDINGS, SCHEDULE, RESULTS = SHOWS = ("rotating", "run", "standings", "schedule", "results")
+# What an overlay shows. Without one of these, it shows the run as soon as there is one.
+OVERLAY_SHOWS = ("run", "clock", "results", "caption", "nothing")
 PAGES = ("display", "overlay")
 MAX_LISTED = 100
 MAX_OF_ADDRESS = 20
 MAX_WINDOWS = 10  # of one display
 MAX_SET = 100
 MAX_ZONES = 10
+MAX_CAPTION = 120  # characters
 # How long displays show their names.
 NAMED_S = 10.0
 FILE = "web_displays.json"
@@ -43,11 +46,12 @@ class Setting(NamedTuple):
     zone: Optional[str] = None  # empty: all zones
     show: Optional[str] = None
     language: Optional[str] = None
+    caption: str = ""  # text of an overlay's lower third: a name and, after a "|", what it is
     called: str = ""  # the name that the display gave when it was set
 
 
 # What the organiser sets.
-FIELDS = ("name", "zone", "show", "language")
+FIELDS = ("name", "zone", "show", "language", "caption")
 NOTHING_SET = Setting()
 
 
@@ -87,7 +91,7 @@ def display_of(asked: Callable[[str], str], zones: Iterable[str], language: str,
         return None
     return Display(
         display_id, page, plain(asked("name")), size if _SIZE.fullmatch(size) else "",
-        tuple(plain(zone) for zone in list(zones)[:MAX_ZONES]), show if show in SHOWS else ROTATING,
+        tuple(plain(zone) for zone in list(zones)[:MAX_ZONES]), show if show in (*SHOWS, *OVERLAY_SHOWS) else ROTATING,
         language, address, utc)
 
 
@@ -178,14 +182,14 @@ class Displays:
 
 def setting_of(body: Dict[str, Any], languages: Iterable[str]) -> Setting:
     """Read a setting of the organiser; raises ValueError. A field that is missing or null is not set."""
-    name, zone, show, language = (body.get(field) for field in FIELDS)
-    if any(value is not None and not isinstance(value, str) for value in (name, zone, show, language)):
+    name, zone, show, language, caption = given = tuple(body.get(field) for field in FIELDS)
+    if any(value is not None and not isinstance(value, str) for value in given):
         raise ValueError("A field has the wrong type")
-    if show not in (None, *SHOWS) or language not in (None, *languages):
+    if show not in (None, *SHOWS, *OVERLAY_SHOWS) or language not in (None, *languages):
         raise ValueError("A display cannot show that")
     if zone is not None and len(zone) > 200:
         raise ValueError("zone is too long")
-    return Setting(plain(name or ""), zone, show, language)
+    return Setting(plain(name or ""), zone, show, language, plain(caption or "", MAX_CAPTION))
 
 
 def _record(setting: Setting) -> Dict[str, Any]:
@@ -254,6 +258,7 @@ class DisplaysHandler(OfOrganiser):
             "displays": [_row(row) for row in server.displays.rows()],
             "unlisted": server.displays.unlisted,
             "zones": sorted(server.desk.zones()), "languages": server.store.known_languages(), "shows": SHOWS,
+            "overlay_shows": OVERLAY_SHOWS,
             "clock": server.utc(),
         })
 

@@ -224,9 +224,9 @@ class Sessions:
         ])
 
 
-def plain(text: str) -> str:
+def plain(text: str, most: int = MAX_NAME) -> str:
     """Return a name that fits in a line: printable, and not too long."""
-    return " ".join("".join(sign if sign.isprintable() else " " for sign in text).split())[:MAX_NAME].rstrip()
+    return " ".join("".join(sign if sign.isprintable() else " " for sign in text).split())[:most].rstrip()
 
 
 def signs_of(typed: str) -> str:

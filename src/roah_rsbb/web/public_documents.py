@@ -3,6 +3,7 @@ I/O and no clock.
 
 Times are UTC seconds since 1970 of the box's clock.
 """
+import html
 from typing import (
     Any,
     ContextManager,
@@ -155,7 +156,8 @@ def page_runs(document: Document, ahead_s: float) -> Data:
     """Return the texts of all runs with the times that the page counts itself, and the mark of a replay. `ahead_s`: see
     `state`."""
     return {"replay": tr(REPLAY_NOT_LIVE) if document.box.is_replay else "", "runs": [
-        {**card._asdict(), **{name: _run(run, ahead_s)[name] for name in ("zone", "teams", "ends", "counts_from")}}
+        {**card._asdict(), **{name: _run(run, ahead_s)[name] for name in (
+            "zone", "teams", "ends", "counts_from", "left_s")}, "limit": run.limit}
         for card, run in zip(public.cards(document), document.runs_shown())
     ]}
 
@@ -168,14 +170,15 @@ def page_next(document: Document, utc_s: float) -> Data:
 def page_results(document: Document, utc_s: float) -> Data:
     """Return the texts of the results."""
     found = {"results": document.results_shown(signed=True), "provisional": document.results_shown(signed=False)}
-    return {name: _lines(public.result_lines(results, utc_s), [result.event for result in results])
+    return {name: _lines(public.result_lines(results, utc_s, document.public.standings),
+                         [result.event for result in results])
             for name, results in found.items()}
 
 
 def page_standings(document: Document) -> Data:
     """Return the texts of the standings."""
     return {"standings": [
-        {"title": public.standing_title(one.title), "lines": [line._asdict() for line in one.lines]}
+        {**one._asdict(), "title": public.standing_title(one.title), "ranks": [rank._asdict() for rank in one.ranks]}
         for one in public.standings(document)
     ]}
 
@@ -190,8 +193,10 @@ def page_explained(document: Document, language: str) -> Data:
 
 
 def _lines(lines: Iterable[public.ListLine], events: Iterable[PublicEvent]) -> List[Data]:
-    """The texts of lines with the zone and the team by which a page chooses them."""
-    return [{**line._asdict(), "zone": event.zone, "of_team": event.team} for line, event in zip(lines, events)]
+    """The texts of lines with the zone and the team by which a page chooses them, and which run it is."""
+    return [{**line._asdict(), "zone": event.zone, "of_team": event.team,
+             "key": f"{event.zone}/{event.scheduled_utc_s:.0f}/{event.team}/{event.round}/{event.run}"}
+            for line, event in zip(lines, events)]
 
 
 # UTC slews. While the times of runs differ by less, they are the same.
@@ -253,6 +258,17 @@ class Store(Numbered):
             self._look(self.box.document)
         return keys
 
+    def first_frame(self) -> str:
+        """Return what a page shows until its script has heard the box, as HTML in the language of the moment."""
+        document = self.box.document
+        runs = () if document is None else public.cards(document)
+        lines = [f'<div class="zone band {run.look}"><div class="who"><b class="team">{html.escape(run.team)}</b> '
+                 f'<p>{html.escape(run.benchmark)}</p></div><b class="when">{html.escape(run.word)}</b></div>'
+                 for run in runs]
+        return (f'<div class="first"><p class="title">{html.escape(self._title)}</p>'
+                f'<div class="zones">{"".join(lines)}</div>'
+                f'<p class="waiting">{tr(public.WAITING)}</p><p class="late">{tr(public.NO_ANSWER)}</p></div>')
+
     def put_display(self, display_id: str, data: Data) -> None:
         """Make the document with what the organiser has set for a display."""
         self._put((DISPLAY, display_id), data)
@@ -311,7 +327,7 @@ class Store(Numbered):
                     lambda: page_runs(document, ahead_s))
         self._renew((PAGE_NEXT, language), (tuple(runs), public.following, day),
                     lambda: page_next(document, utc_s))
-        self._renew((PAGE_RESULTS, language), (results, day), lambda: page_results(document, utc_s))
+        self._renew((PAGE_RESULTS, language), (results, public.standings, day), lambda: page_results(document, utc_s))
         self._renew((PAGE_STANDINGS, language), public.standings, lambda: page_standings(document))
         self._renew((PAGE_EXPLAINED, language), _runs_of(document),
                     lambda: page_explained(document, language))

@@ -41,6 +41,8 @@ from roah_rsbb.web.serving import (
 )
 from roah_rsbb.web.teams import CODE, CodesHandler, TeamCodes, TeamHandler
 from roah_rsbb.wording.device import TOO_MANY_TEAM_GUESSES
+from roah_rsbb.wording.language import tr
+from roah_rsbb.wording.public import FIRST_PAGE, NO_PAGE, NO_SCRIPT
 from roah_rsbb.wording.sheets import role_word
 
 # They have STOP, and one script. Others have STOP on a paired device, which may come to them in a run.
@@ -48,11 +50,15 @@ PAGES_WITH_STOP = ("referee", "box")
 PAGE_WITHOUT_STOP = "overlay"  # part of a picture
 # Classes of a page besides its name: of the whole box, also those of the page that it consists of.
 _KINDS = {"box": " device referee"}
-# The style sheets of a page. A page that is not here has the old one.
+# The style sheets of a page, besides that of STOP where a paired device gets it.
 _PARTS = ("tokens", "dark", "parts")
+_PUBLIC = (*_PARTS, "public")
 _STYLES: Dict[str, Tuple[str, ...]] = {
-    "referee": (*_PARTS, "stop", "referee"), "box": (*_PARTS, "stop", "referee", "box"),
+    **dict.fromkeys(("index", "team", "pair", "displays", "codes"), _PUBLIC),
+    **dict.fromkeys(DISPLAYS, (*_PUBLIC, "display")),
+    "referee": (*_PARTS, "referee"), "box": (*_PARTS, "referee", "box"),
 }
+# What is for a hall or a picture is always dark.
 _MEDIA = {"dark": ' media="(prefers-color-scheme: dark)"'}
 # What makes a page one that a phone can install.
 _INSTALLED = ('<link rel="manifest" href="/assets/manifest.json">',
@@ -127,7 +133,7 @@ class WebServer:
             [(rf"/{path}", handler, {**shared, **more}) for path, handler, more in _routes(folder)],
             compress_response=True,
             websocket_max_message_size=MAX_MESSAGE_BYTES, websocket_ping_interval=_PING_S,
-            default_handler_class=MissingHandler, default_handler_args=shared,
+            default_handler_class=MissingHandler, default_handler_args={**shared, "folder": pathlib.Path(folder)},
             log_function=lambda handler: None,
         )
         if context is None:
@@ -237,7 +243,7 @@ class WebServer:
     def _put_display(self, display_id: str) -> None:
         setting = self.displays.setting(display_id)
         self.store.put_display(display_id, {
-            "zone": setting.zone, "show": setting.show, "language": setting.language,
+            "zone": setting.zone, "show": setting.show, "language": setting.language, "caption": setting.caption,
             "name": self.displays.name(display_id),
             "shows_name": self.displays.are_named(self.now()),
         })
@@ -298,17 +304,8 @@ class PlainHandler(Guarded):
         self.redirect(f"https://{request.host}{request.uri}")
 
 
-class MissingHandler(Guarded):
-    """Answers all other addresses."""
-
-    def prepare(self) -> None:
-        """Refuse the request."""
-        super().prepare()
-        raise web.HTTPError(404)
-
-
 class PageHandler(OfDevice):
-    """A page. Its parameters are for its script: the server does not read them."""
+    """A page. Its parameters are for its script: the server reads only the language."""
 
     def initialize(self, server: WebServer, folder: pathlib.Path) -> None:
         super().initialize(server)
@@ -316,22 +313,49 @@ class PageHandler(OfDevice):
 
     def get(self, name: str) -> None:
         """Return the page, with the script that must not be lost on the way. STOP depends on no other script."""
-        again, page = ((self._folder / file).read_text(encoding="utf-8") for file in ("again.js", "page.html"))
+        name = name or "index"
         has_stop = name in PAGES_WITH_STOP or (name != PAGE_WITHOUT_STOP and self.session() is not None)
-        set_headers(self, {"Content-Type": "text/html; charset=utf-8", "Cache-Control": "no-cache",
-                           "Content-Security-Policy": policy(self.request, again)})
-        self.finish(page.format(
-            again=again, name=name or "index", kind=_KINDS.get(name, " device") if name in PAGES_OF_DEVICES else "",
-            script="referee" if name in PAGES_WITH_STOP else name or "index",
-            styles="\n  ".join([
-                *(f'<link rel="stylesheet" href="/assets/{style}.css"{_MEDIA.get(style, "")}>'
-                  for style in _STYLES.get(name or "index", ("tokens", "dark", "pages", "stop"))),
+        script = "referee" if name in PAGES_WITH_STOP else name
+        self._finish_page(
+            name, (*_STYLES[name][:3], *(("stop",) if has_stop else ()), *_STYLES[name][3:]),
+            self._server.store.first_frame if name not in (*PAGES_WITH_STOP, PAGE_WITHOUT_STOP) else str,
+            _KINDS.get(name, " device") if name in PAGES_OF_DEVICES else "", "\n  ".join([
+                *(f'<link rel="modulepreload" href="/assets/{part}.js">'
+                  for part in ("vendor/preact-htm", "live", "parts")),
+                f'<script type="module" src="/assets/{script}.js"></script>',
                 *(_INSTALLED if name in PAGES_OF_DEVICES else ())]),
-            layout="" if name in DISPLAYS else 'data-layout="list"',
-            stop='<script src="/assets/stop.js"></script>' if has_stop else "",
-        ))
+            '<script src="/assets/stop.js"></script>' if has_stop else "")
 
     head = get
+
+    def _finish_page(self, name: str, styles: Iterable[str], first: Callable[[], str], kind: str = "", script: str = "",
+                     stop: str = "") -> None:
+        """Send a page. `first` returns what it shows until its script has heard the box."""
+        again, page = ((self._folder / file).read_text(encoding="utf-8") for file in ("again.js", "page.html"))
+        set_headers(self, {"Content-Type": "text/html; charset=utf-8", "Cache-Control": "no-cache",
+                           "Content-Security-Policy": policy(self.request, again)})
+        store = self._server.store
+        language = store.language(self.get_query_argument("language", self.request.headers.get("Accept-Language", "")))
+        media = {} if name in DISPLAYS else _MEDIA
+        with store.speaking(language):
+            self.finish(page.format(
+                again=again, name=name, kind=kind, language=language, script=script, stop=stop,
+                styles="\n  ".join(
+                    f'<link rel="stylesheet" href="/assets/{style}.css"{media.get(style, "")}>' for style in styles),
+                layout="" if name in DISPLAYS else 'data-layout="list"', first=first(), no_script=tr(NO_SCRIPT)))
+
+
+class MissingHandler(PageHandler):
+    """Answers all other addresses: people with a page, programs with a line."""
+
+    def prepare(self) -> None:
+        """Refuse the request."""
+        super().prepare()
+        self.set_status(404)
+        if "text/html" not in self.request.headers.get("Accept", ""):
+            raise web.HTTPError(404)
+        self._finish_page("missing", _PUBLIC, lambda: (
+            f'<h1>{tr(NO_PAGE)}</h1>\n<p><a class="button next" href="/">{tr(FIRST_PAGE)}</a></p>'))
 
 
 class WorkerHandler(Guarded):

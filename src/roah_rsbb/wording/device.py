@@ -129,6 +129,9 @@ def page_words() -> Dict[str, Any]:
             take_back="Take back", since="since {time}", windows="{number} windows", all_zones="all zones",
             show_rotating="everything in turns", show_run="the run, explained", show_standings="the standings",
             show_schedule="the schedule", show_results="the results",
+            overlay_run="the run, as soon as there is one", overlay_clock="only the clock",
+            overlay_results="the newest result", overlay_caption="your own text", overlay_nothing="nothing",
+            caption="Your own text", caption_how="Dr. Ada Byron | Head referee",
             # the state of the page
             not_paired="This device is not paired", zone="Zone",
             offline="NO LINK TO THE BOX since {time}. STOP and marks are sent until the box answers",

@@ -10,6 +10,7 @@ from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import (
     Document,
     PublicEvent,
+    PublicRank,
     PublicResult,
     PublicRun,
     PublicStanding,
@@ -24,6 +25,10 @@ from roah_rsbb.wording.whole_box import REPLAY
 
 ALL_TEAMS = "ALL"
 WAITING = tr_later("Waiting for the referee box")
+NO_ANSWER = tr_later("The box does not answer yet. This page continues by itself.")
+NO_SCRIPT = tr_later("This page needs JavaScript: allow it in the browser's settings.")
+NO_PAGE = tr_later("There is no such page")
+FIRST_PAGE = tr_later("All pages of this box")
 NOTHING_RUNS = tr_later("Nothing is running at the moment")
 SCHEDULE_IS_DONE = tr_later("The schedule is done")
 NO_SIGNAL = tr_later("No signal since {time}: this is the last known state")
@@ -47,30 +52,36 @@ MONTHS = (
 class RunCard(NamedTuple):
     """The texts of a run."""
 
-    phase: str  # connected, running or ended
+    look: str  # its colour and icon: see `sheets.look`
     team: str
     benchmark: str
     place: str  # zone, round and run, teams
     big: str  # the largest text: the countdown
-    word: str  # the state of the run; colour is never the only sign
+    word: str  # the state in words; colour is never the only sign
     is_paused: bool = False
 
 
 class ListLine(NamedTuple):
-    """The texts of a coming event, of a result, or of a team in a standing."""
+    """The texts of a coming event or of a result."""
 
-    time: str  # or the rank
+    time: str
     team: str
     benchmark: str
     last: str  # an event's zone, or how the run of a result ended
     scores: Tuple[str, ...] = ()  # below the other texts
+    planned: str = ""  # the scheduled time of an event that is late
+    look: str = ""  # of a result: see `sheets.look`
+    points: str = ""  # of a result; empty: it has none, or they are not public
+    rank: str = ""  # of its team in the standing of its benchmark, with it
 
 
 class StandingTexts(NamedTuple):
     """The texts of a benchmark's standing."""
 
     title: str
-    lines: Tuple[ListLine, ...]
+    criteria: Tuple[str, ...]
+    ranks: Tuple[PublicRank, ...]
+    notes: Tuple[str, ...]
 
 
 def cards(document: Document) -> Tuple[RunCard, ...]:
@@ -89,9 +100,12 @@ def following(document: Document, utc_s: float) -> Tuple[ListLine, ...]:
     return tuple(_following(event, utc_s, many_zones) for event in document.public.following)
 
 
-def result_lines(results: Iterable[PublicResult], utc_s: float) -> Tuple[ListLine, ...]:
+def result_lines(results: Iterable[PublicResult], utc_s: float,
+                 standings: Iterable[PublicStanding] = ()) -> Tuple[ListLine, ...]:
     """Return the texts of results."""
-    return tuple(_result(result, utc_s) for result in results)
+    ranks = {(standing.benchmark, rank.team): rank.rank for standing in standings for rank in standing.ranks}
+    return tuple(_result(result, utc_s, ranks.get((result.event.benchmark, result.event.team), ""))
+                 for result in results)
 
 
 def standings(document: Document) -> Tuple[StandingTexts, ...]:
@@ -109,11 +123,20 @@ def page_words() -> Dict[str, str]:
     return tr_words(
         waiting=WAITING, nothing_runs=NOTHING_RUNS, schedule_is_done=SCHEDULE_IS_DONE, no_signal=NO_SIGNAL, runs=RUNS,
         next=NEXT, results=RESULTS, provisional=PROVISIONAL, display="Public display", overlay="Overlay for video",
-        all_zones="all zones", teams="Teams", standings="Standings", referees="Referees",
-        referee_page="Referee's page", box_page="Whole box", data="Data for programs",
+        all_zones="all zones", teams="Teams", standings="Standings", data="Data for programs",
         no_results="No results are public yet", no_standings="No standings are public yet",
         pair_page="Pair this device", displays_page="What each display shows", codes_page="Codes of the teams",
         no_events="No more events", not_in_schedule="Nothing is known of this team",
+        late="{time} instead of {planned}", points="Points", rank="Rank", rank_is="Rank {rank}", team="Team",
+        zones_here="Each zone will have a line here with its team, its state and its clock.",
+        teams_here="The teams will be listed here as soon as the box has a schedule.",
+        watch="Watch", watch_how="Clocks, results and standings as they happen.",
+        watch_now="Runs in progress: {number}",
+        referee="Referee", referee_how="Start and stop runs, mark the score sheet, sign it off.",
+        referee_now="Needs a code of the organiser",
+        team_how="See your robot's link, your times and your results.", team_now="Teams: {number}",
+        organise="Organise", organise_how="Schedule, zones, results, devices and displays.",
+        organise_now="Events to come: {number}", more="More pages",
     )
 
 
@@ -128,33 +151,34 @@ def _card(run: PublicRun, many_zones: bool) -> RunCard:
         parts.append(", ".join(run.teams))
     if run.activity:
         parts.append(tr_said(run.activity))
-    big, word = TIME, tr("getting ready")
+    big, word = TIME, tr("ready")
     if run.phase == RUNNING:
-        big, word = (f"‖ {TIME}", tr(PAUSED)) if run.is_paused else (f"▶ {TIME}", tr("running"))
+        word = tr(PAUSED) if run.is_paused else tr("running")
     elif run.phase == ENDED:
-        big, word = tr("ended"), _end(run.end_reason)
+        word = sheets.end_reason(run.end_reason) if run.end_reason else tr("ended")
     if not run.elapsed.counting:
         seconds = run.shown_s(0.0)
-        big = big.replace(TIME, times.countdown(seconds if run.limit else math.floor(seconds)))
-    return RunCard(run.phase, team_text(event.team), event.benchmark, " · ".join(parts), big, word, run.is_paused)
+        big = times.countdown(seconds if run.limit else math.floor(seconds))
+    return RunCard(sheets.look(run.phase, run.end_reason), team_text(event.team), event.benchmark, " · ".join(parts),
+                   big, word, run.is_paused)
 
 
 def _following(event: PublicEvent, utc_s: float, many_zones: bool) -> ListLine:
-    zone = event.zone if many_zones else ""
-    return ListLine(local_time(event.scheduled_utc_s, utc_s), team_text(event.team), event.benchmark, zone)
+    planned, begins = (local_time(moment_s, utc_s) for moment_s in (
+        event.scheduled_utc_s, max(event.scheduled_utc_s, event.begins_utc_s)))
+    return ListLine(
+        begins, team_text(event.team), event.benchmark, event.zone if many_zones else "",
+        planned="" if begins == planned else planned)
 
 
 def _standing(standing: PublicStanding) -> StandingTexts:
-    return StandingTexts(standing.benchmark, tuple(
-        ListLine(rank.rank, rank.team, "", "", tuple(
-            f"{criterion}: {number(found)}"
-            for criterion, found in zip(standing.criteria, rank.numbers) if found
-        ))
-        for rank in standing.ranks
-    ) + tuple(ListLine("", "", "", "", (f"* {tr_said(note)}",)) for note in standing.notes))
+    return StandingTexts(
+        standing.benchmark, standing.criteria,
+        tuple(rank._replace(numbers=tuple(map(number, rank.numbers))) for rank in standing.ranks),
+        tuple(tr_said(note) for note in standing.notes))
 
 
-def _result(result: PublicResult, utc_s: float) -> ListLine:
+def _result(result: PublicResult, utc_s: float, rank: str) -> ListLine:
     groups = [sheets.GroupOfValues(group.name, [item.value for item in group.items], group.not_attempted)
               for group in result.groups]
     sums = [sheets.sums_text([group]) for group in groups if group.values]
@@ -163,19 +187,14 @@ def _result(result: PublicResult, utc_s: float) -> ListLine:
     lines = [sheets.score_line(score) for score in result.module_scores]
     return ListLine(
         local_time(result.disconnected_utc_s, utc_s), team_text(result.event.team), result.event.benchmark,
-        _end(result.end_reason), (*(f"{line.name} {line.value}" for line in lines), *sums))
+        sheets.end_reason(result.end_reason), (*(f"{line.name} {line.value}" for line in lines), *sums),
+        look=sheets.look(ENDED, result.end_reason),
+        points="" if result.points is None else number(result.points.total), rank=rank)
 
 
 def team_text(team: str) -> str:
     """Return the name of a team; it may stand for all teams."""
     return tr("All teams") if team == ALL_TEAMS else team
-
-
-def _end(end_reason: str) -> str:
-    """How a run ended, with a mark."""
-    if not end_reason:
-        return ""
-    return f"{'✓' if end_reason == 'completed' else '■'} {sheets.end_reason(end_reason)}"
 
 
 def local_time(utc_s: float, now_utc_s: float) -> str:

@@ -179,16 +179,17 @@ class Served(ServedPages):
 def test_a_display_is_listed_and_gets_what_is_set(served):
     window = served.shown()
     assert served.as_set(window) == {
-        "name": "Hall", "zone": None, "show": None, "language": None, "shows_name": False}
+        "name": "Hall", "zone": None, "show": None, "language": None, "caption": "", "shows_name": False}
     (row,) = served.listed()
     assert (row["name"], row["is_set"]) == ("Hall", False)
     shown = row["display"]
     assert (shown["page"], shown["address"], shown["size"], shown["zones"], shown["show"], shown["language"]) == (
         "display", HOST, "1920x1080", ["Home"], "rotating", "en")
     assert abs(shown["since"] - served.server.utc()) < 60.0
-    assert served.asked({"id": id_of(1), "setting": {"zone": "", "show": "run", "language": "de"}}).code == 200
-    assert served.as_set(window) == {"name": "Hall", "zone": "", "show": "run", "language": "de", "shows_name": False}
-    assert served.kept == [{id_of(1): {"zone": "", "show": "run", "language": "de", "called": "Hall"}}]
+    setting = {"zone": "", "show": "run", "language": "de", "caption": "Ada | Judge"}
+    assert served.asked({"id": id_of(1), "setting": setting}).code == 200
+    assert served.as_set(window) == {"name": "Hall", **setting, "shows_name": False}
+    assert served.kept == [{id_of(1): {**setting, "called": "Hall"}}]
     assert served.asked({"id": id_of(1), "setting": {"show": "results"}}).code == 200
     assert served.as_set(window)["show"] == "results", "the rest stays"
     assert served.asked({"id": id_of(1), "take_back": True}).code == 200

@@ -139,11 +139,19 @@ def test_a_page_counts_by_itself(store):
     store.keys(TEXTS, "en")
     store.put(run())
     (shown,) = data(store, "page.runs", "en")["runs"]
-    assert (shown["big"], shown["ends"], shown["place"]) == ("▶ {time}", NOW + 90.0, "Home · round 2, run 3")
+    assert (shown["big"], shown["ends"], shown["limit"], shown["place"]) == (
+        "{time}", NOW + 90.0, 600.0, "Home · round 2, run 3")
     store.put(run(counting=False))
-    assert data(store, "page.runs", "en")["runs"][0]["big"] == "‖ 1:30"
+    (shown,) = data(store, "page.runs", "en")["runs"]
+    assert (shown["big"], shown["left_s"]) == ("1:30", 90.0)
     store.put(run(counting=False, elapsed=12.9))
-    assert data(store, "page.runs", "en")["runs"][0]["big"] == "‖ 0:12"
+    assert data(store, "page.runs", "en")["runs"][0]["big"] == "0:12"
+
+
+def test_a_page_shows_something_before_its_script_has_come(store):
+    assert "Waiting for the referee box" in store.first_frame() and "Open" in store.first_frame()
+    store.put(run()._replace(event=event(team="<b>Eve")))
+    assert "&lt;b&gt;Eve" in store.first_frame() and "running" in store.first_frame()
 
 
 def test_the_texts_name_another_day_at_midnight(store):

@@ -58,7 +58,7 @@ def served(served):
 
 @pytest.mark.parametrize(("path", "kind"), [
     ("/", "text/html"), ("/display?zone=Home", "text/html"), ("/overlay", "text/html"),
-    ("/team/Copper%20Kettle", "text/html"), ("/assets/live.js", "javascript"), ("/assets/pages.css", "text/css"),
+    ("/team/Copper%20Kettle", "text/html"), ("/assets/live.js", "javascript"), ("/assets/tokens.css", "text/css"),
     ("/assets/vendor/preact-htm.js", "javascript"), ("/api/v1/state", "application/json"),
     ("/api/v1/schemas/state.json", "application/schema+json"),
 ])
@@ -180,6 +180,12 @@ def test_nothing_else_is_served(served, path):
     answer = served.raw(f"GET {path} HTTP/1.1\r\nHost: {HOST}\r\nConnection: close\r\n\r\n".encode())
     assert answer.split(b" ")[1] in (b"404", b"403", b"400"), answer
     assert b"<" not in answer and b"Traceback" not in answer
+
+
+def test_people_get_a_page_that_leads_back(served):
+    answer = served.get("/none", headers={"Accept": "text/html,*/*", "Accept-Language": "de"})
+    assert answer.code == 404 and "auf Deutsch: There is no such page" in answer.body.decode()
+    assert 'href="/"' in answer.body.decode() and 'lang="de"' in answer.body.decode()
 
 
 @pytest.mark.parametrize("path", ["/", "/api/v1/state", "/api/v1/events", "/assets/live.js", "/team/Alpha"])

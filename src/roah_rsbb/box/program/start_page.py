@@ -135,7 +135,10 @@ class StartPage:
         self.started: Optional[Started] = None
         self._typed: Dict[str, Dict[str, str]] = {}  # by task, to be tried again
         resource = shipped_folder().parent / "resource"
-        self.style = (resource / "web" / "assets" / "pages.css").read_text("utf-8")
+        sheets = {name: (resource / "web" / "assets" / f"{name}.css").read_text("utf-8")
+                  for name in ("tokens", "dark", "parts", "public")}
+        sheets["dark"] = f"@media (prefers-color-scheme: dark) {{{sheets['dark']}}}"
+        self.style = "\n".join(sheets.values())
         files = (resource / "languages").glob("*.ts")
         self._languages = {language.ENGLISH: None, **language.translations(files)}
         self._server = BoundedServer(web.Application(
@@ -178,7 +181,7 @@ class StartPage:
             style = f'<link rel="stylesheet" href="/style.css?token={self.token}">'
             return (f'<!DOCTYPE html><html lang="{name}"><head><meta charset="utf-8">{refresh}<meta name="viewport" '
                     f'content="width=device-width"><title>RoAH RSBB</title>{style}</head>'
-                    f'<body class="device" data-layout="list"><main id="page"><h1 class="title">RoAH RSBB</h1>'
+                    f'<body class="device" data-layout="list"><main id="page"><h1>RoAH RSBB</h1>'
                     f'{body}</main></body></html>')
 
     def _shown(self) -> str:
@@ -189,17 +192,18 @@ class StartPage:
         status = process.poll()
         state = (tr(words.IN_PROGRESS) if status is None else tr(words.DONE) if status == 0
                  else tr(words.FAILED, status=status))
-        end = f'<form method="post" action="/end">{self._hidden()}<button>{_said(words.END)}</button></form>'
+        end = (f'<form method="post" action="/end">{self._hidden()}<button class="button">{_said(words.END)}</button>'
+               '</form>')
         return (f"<h2>{_said(words.TITLES[task.name])}: {html.escape(state)}</h2>"
                 f"<pre>{html.escape(''.join(lines))}</pre>" + (end if status is None else ""))
 
     def _form(self, task: Task) -> str:
         name, typed = task.name, self._typed.get(task.name, {})
         inputs = "".join(_field(field, typed.get(field.name, "")) for field in task.inputs)
-        return (f'<h2>{_said(words.TITLES[name])}</h2><form method="post" action="/do">{self._hidden()}'
-                f'<p class="nothing">{_said(words.EXPLANATIONS[name])}</p>'
+        return (f'<h2>{_said(words.TITLES[name])}</h2><form class="panel" method="post" action="/do">{self._hidden()}'
+                f'<p class="quiet">{_said(words.EXPLANATIONS[name])}</p>'
                 f'<input type="hidden" name="task" value="{name}">{inputs}'
-                f'<button class="main">{_said(words.BUTTONS[name])}</button></form>')
+                f'<button class="button next">{_said(words.BUTTONS[name])}</button></form>')
 
     def _hidden(self) -> str:
         return f'<input type="hidden" name="token" value="{self.token}">'

@@ -371,7 +371,7 @@ class Documents:
             document = document._replace(
                 results=_kept(last.results, self._results(now)), judging=_kept(last.judging, self._judging(now)),
                 timelines=_kept(last.timelines, self._timelines_of(now)))
-        if has_changed or zones is not last.zones:
+        if has_changed or zones is not last.zones or document.schedule is not last.schedule:
             document = self._publicly(document, now, has_changed)
         self._revision, self._events = revision, events
         if document.box == last.box:
@@ -388,8 +388,8 @@ class Documents:
         last = self.last
         try:
             found = document._replace(public_runs=_kept(last.public_runs, self._public.runs(document.zones)))
-            if has_changed:
-                found = found._replace(public=self._public.others(now),
+            if has_changed or document.schedule is not last.schedule:
+                found = found._replace(public=self._public.others(now, document.schedule.values()),
                                        public_results=_kept(last.public_results, self._public.results(now)))
         except Exception as error:
             self.fault = error

@@ -5,7 +5,7 @@ will meet.
 """
 
 import enum
-from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.runs.functionality import FunctionalityRun
@@ -25,6 +25,7 @@ from roah_rsbb.model.document import (
 )
 from roah_rsbb.model.modules import OutcomeKind, RequestKind
 from roah_rsbb.model.records import ItemRecord, Phase, RunRecord, grouped
+from roah_rsbb.model.results import EventSeen
 from roah_rsbb.model.zone import ZoneSeen
 from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook.benchmarks import Benchmark
@@ -98,20 +99,25 @@ class PublicViews:
             self._results[record.identity] = known
         return {identity: result for identity, (_, result) in self._results.items()}
 
-    def others(self, now: Now) -> Public:
-        """Return what the public may see besides."""
-        return Public(self._publicity.results.value, self._following(), self._ranking(now), self._box.reload.time_zone)
+    def others(self, now: Now, schedule: Iterable[EventSeen]) -> Public:
+        """Return what the public may see besides. `schedule`: as the referees see it now."""
+        return Public(self._publicity.results.value, self._following(schedule), self._ranking(now),
+                      self._box.reload.time_zone)
 
-    def _following(self) -> Tuple[PublicEvent, ...]:
+    def _following(self, schedule: Iterable[EventSeen]) -> Tuple[PublicEvent, ...]:
         """Return the coming events. Events whose run is connected or was completed, or whose team withdrew or did not
         appear, are not among them."""
         over = self._box.scores.events_over()
+        begins = {(seen.zone, seen.team, seen.round, seen.run, seen.scheduled_utc_s): seen.begins_utc_s
+                  for seen in schedule}
         lines = [(zone.name, event) for zone in self._box.zones.values()
                  for place, event in enumerate(zone.events[_first(zone):], _first(zone))
                  if (zone.name, place) not in over]
         lines.sort(key=lambda line: line[1].scheduled)
-        return tuple(_event(zone, event.benchmark, event.team, event.round, event.run, event.scheduled)
-                     for zone, event in lines[:MAX_FOLLOWING])
+        return tuple(
+            _event(zone, event.benchmark, *which)._replace(begins_utc_s=begins.get((zone, *which), 0.0))
+            for zone, event in lines[:MAX_FOLLOWING]
+            for which in [(event.team, event.round, event.run, event.scheduled)])
 
     def _ranking(self, now: Now) -> Tuple[PublicStanding, ...]:
         """Return the standings of the runs that are signed off. Such a run never changes; whether it counts may."""

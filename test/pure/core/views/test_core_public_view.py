@@ -113,6 +113,14 @@ def test_what_follows_is_sorted_over_all_zones_and_is_not_what_runs():
     assert _following(driver) == [other, second]
 
 
+def test_the_public_sees_how_late_the_next_event_is():
+    driver = BoxDriver(competition(tbm=[event(scheduled=UTC0 + 60.0)]))
+    assert [one.begins_utc_s for one in _view(driver).public.following] == [UTC0 + 60.0]
+    driver.run(600.0)
+    (late,) = _view(driver).public.following
+    assert late.begins_utc_s >= UTC0 + 600.0 > late.scheduled_utc_s
+
+
 def test_the_list_of_next_events_is_bounded():
     driver = BoxDriver(competition(tbm=[event(run=run) for run in range(1, MAX_FOLLOWING + 3)]))
     assert [run for _, _, run in _following(driver)] == list(range(1, MAX_FOLLOWING + 1))
