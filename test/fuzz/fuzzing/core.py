@@ -31,7 +31,7 @@ from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.records import Phase
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.radio import wire_convert
-from roah_rsbb.rulebook.benchmarks import Config
+from roah_rsbb.rulebook.benchmarks import Config, EventRules, PhaseRule, Restarts
 from roah_rsbb.scoring.sheet import Mark
 
 ZONES = ("catering", "visitor", "object", "waypoints", "all")
@@ -40,6 +40,10 @@ TEAMS = ("Alpha", "Beta", "Gamma")
 CODES = ("HOPF", "HNF", "HOMF")
 NODES = ("n1", "n2")
 FORMS = ("", form_text(ODD), form("a", "b"), form(asks_text=True), "[{}]", "[")
+RULES = EventRules(
+    setup_time=60.0, attempts=3, restarts=Restarts.CLOCK_STOPS, pause=True,
+    phases=(PhaseRule("Enter", 2.0), PhaseRule("Serve"), PhaseRule("Leave", 60.0)),
+)
 _TIMES_S = (0.0, 0.001, 0.05, 1.0, 3.1, 20.0, 1000.0, 1e6)
 _CLOCK_STEPS_S = (-1e9, -1.0, 1e-3, 1.0, 1e9)
 
@@ -78,9 +82,10 @@ class Play:
     def __init__(self, data: bytes, make: Callable[[Config], Any] = ForgetfulDriver) -> None:
         self.reader = Reader(data)
         config = competition(
-            catering=["HCFGAC", "HWV"], visitor=[event("HWV", team="Beta", timeout=30.0)],
+            catering=[event("HCFGAC", timeout=300.0, rules=RULES), "HWV"],
+            visitor=[event("HWV", team="Beta", timeout=30.0)],
             object=[event("HOPF"), event("HOMF")], waypoints=[event("HNF", team="Gamma", timeout=60.0)],
-            all=[event("HSUF", team="ALL", timeout=30.0)],
+            all=[event("HSUF", team="ALL", timeout=30.0, rules=EventRules(setup_time=30.0, pause=True))],
         )
         self.driver = make(config)
         self.driver.config = config
