@@ -81,7 +81,7 @@ class TestPairing(NeedsBrowser, BoxCase):
         self.assertEqual(pair_with(made["code"]), 429)
         page = self.pair(made["url"], "Anna")
         page.wait_address("/referee")
-        page.wait(f"{TEXT}.includes('Anna · Referee in Room')", "the phone is paired")
+        page.wait(f"document.querySelector('.run') !== null && {TEXT}.includes('Delta')", "the phone is paired")
         self.assertEqual(page.get("document.cookie"), "", "no script reads the cookie")
         self.assertNotIn(made["code"], page.get("location.href"))
         (listed,) = devices()
