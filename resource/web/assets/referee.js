@@ -35,7 +35,14 @@ const state = {session: undefined, live: null, known: null, said: "", place: "",
   gone: "",  // that a zone is gone, until the reader touches the page
   isEnded: false};  // the box was ended here, and is not heard again yet
 
+// What a screen holds is counted in letters: phones of 2021 cannot ask for that in a style sheet.
+const NARROW_REM = 17;
+const fit = () => document.body.classList.toggle("narrow",
+  innerWidth < NARROW_REM * parseFloat(getComputedStyle(document.documentElement).fontSize));
+window.addEventListener("resize", fit);
+
 function draw() {
+  fit();
   render(html`<${Guard} name="page"><${Page} /><//>`, place);
 }
 

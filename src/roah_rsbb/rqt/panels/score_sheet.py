@@ -444,7 +444,7 @@ class UndoRow(QWidget):
         font.setBold(entry.number == newest)
         button.setFont(font)
         metrics, room = QFontMetricsF(font), button.width() - basic.em()
-        lines = (entry.item, f"{tr(UNDO, mark=sheets.change_text(entry))} ({ago})")
+        lines = (entry.item, f"↶ {sheets.change_text(entry)} ({ago})")  # in words it is too wide in some languages
         button.setText("\n".join(metrics.elidedText(line, Qt.ElideRight, room) for line in lines).replace("&", "&&"))
         more = tr("{group}, by {name}, entry {number} of the history",
                   group=entry.group, name=sheets.person(entry.who), number=entry.number)
