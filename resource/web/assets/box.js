@@ -24,9 +24,9 @@ function Overview({data, zone, texts, openZone}) {
   }, [calling]);
   return html`
     <div class="zones">${data.zones.map((one) => html`
-      <button type="button" key=${one.zone} class="zone ${one.look}" data-zone=${one.zone} data-meaning=${one.zone}
+      <button type="button" key=${one.zone} class="zone" data-zone=${one.zone} data-meaning=${one.zone}
           aria-current=${zone && one.zone === zone.zone ? "true" : undefined} onClick=${() => openZone(one.zone)}>
-        <span class="band">
+        <span class="band ${one.look}">
           <strong>${one.zone}: ${one.team}</strong>
           <span class="chip"><${Icon} name=${one.look} solid=${one.look === "executing"} /> ${[one.phase_text, one.clock.pause].filter(Boolean).join(" · ")}</span>
           <span class="clock ${one.clock.main.hurry ? "hurry" : ""}">${one.clock.main.text}</span>

@@ -280,7 +280,7 @@ function Run({zone, zones, texts}) {
       <span class="short"><${Icon} name=${look} solid=${["executing", "stopped"].includes(look)} /><span class="unseen">${texts.state}: </span>
         ${zone.zone}${zones && zones.length > 1 && " ▾"} · <span class="phase">${zone.phase_text}</span></span></span>`;
   return html`
-    <section class="strip run ${zone.phase} ${look} ${clock.pause ? "paused" : ""}" aria-label=${texts.time}>
+    <section class="strip band run ${zone.phase} ${look} ${clock.pause ? "paused" : ""}" aria-label=${texts.time}>
       ${zones ? html`<button type="button" class="who zones" data-meaning="zones" aria-expanded=${state.isChoosing} onClick=${() => choose(!state.isChoosing)}>${who}</button>`
         : html`<div class="who">${who}</div>`}
       <div class="strip-clock" key=${zone.phase}><span class="unseen">${clock.main.label}</span>

@@ -8,8 +8,9 @@ from fractions import Fraction
 from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.results.runs import NotPossible
-from roah_rsbb.scoring.standings import Standing, TeamLine
-from roah_rsbb.scoring.tree import rounded_text
+from roah_rsbb.results.standings import rank_text
+from roah_rsbb.scoring.standings import Standing
+from roah_rsbb.scoring.tree import rounded, rounded_text
 from roah_rsbb.wording.times import formatted
 
 COLUMNS = ("Date", "Task", "Team", "Score")
@@ -67,30 +68,19 @@ def rankings_text(standings: Iterable[Standing]) -> str:
         is_final = any(other.title in names for other in stages)
         order = [*range(1, len(names)), 0]
         columns = [_column([line.numbers[i] for line in standing.lines], is_final) for i in order]
-        rows = [(line.team, *(column[row] for column in columns), _rank(line))
+        rows = [(line.team, *(column[row] for column in columns), "" if line.disqualified else rank_text(line))
                 for row, line in enumerate(standing.lines)]
         head = ("Team", *(names[i] for i in order[:-1]), "Total Score", "Rank")
         made.append(f"# {standing.title}\n{table(head, rows, range(1, len(head)))}")
     return "\n\n".join(made) + "\n" if made else ""
 
 
-def _rank(line: TeamLine) -> str:
-    return "" if line.disqualified else f"{line.rank}{'=' if line.tied else ''}"
-
-
 def _column(numbers: Sequence[Optional[Fraction]], is_whole: bool) -> List[str]:
     """Return numbers with as many decimals as the one of them that needs most, at most three."""
-    texts = ["" if number is None else rounded_text(number) for number in numbers]
-    decimals = 0 if is_whole else max((len(text.partition(".")[2]) for text in texts), default=0)
-    return ["" if number is None else _fixed(number, decimals) for number in numbers]
-
-
-def _fixed(number: Fraction, decimals: int) -> str:
-    """Return a number with so many decimals, a half rounded away from 0."""
-    scaled = abs(number) * 10 ** decimals
-    digits = str(int(scaled + Fraction(1, 2))).rjust(decimals + 1, "0")
-    sign = "-" if number < 0 and int(digits) else ""
-    return sign + (f"{digits[:-decimals]}.{digits[-decimals:]}" if decimals else digits)
+    parts = [("", "", "") if number is None else rounded_text(rounded(number, 0) if is_whole else number).partition(".")
+             for number in numbers]
+    decimals = max((len(part[2]) for part in parts), default=0)
+    return [f"{whole}.{rest.ljust(decimals, '0')}" if whole and decimals else whole for whole, _, rest in parts]
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]], right: Iterable[int]) -> str:

@@ -10,7 +10,7 @@ line, never left out.
 import enum
 import pathlib
 import re
-from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 LIST = ("documents/scoresheets.tex", "scoresheets.tex", "score_sheets.tex")
 MACROS = ("setup/macros_scoresheets.tex", "setup/macros_score_sheets.tex")
@@ -64,12 +64,9 @@ class LeagueSheet(NamedTuple):
     @property
     def attainable(self) -> int:
         """The most points without bonus, as the league adds them up."""
-        return _attainable(self.rows, self.total)
-
-
-def _attainable(rows: Sequence[LeagueRow], total: Optional[int]) -> int:
-    return total if total is not None else sum(
-        row.points * row.times for row in rows if row.points > 0 and row.kind in (RowKind.ITEM, RowKind.MODIFIER))
+        return self.total if self.total is not None else sum(
+            row.points * row.times for row in self.rows
+            if row.points > 0 and row.kind in (RowKind.ITEM, RowKind.MODIFIER))
 
 
 class LeagueBook(NamedTuple):
@@ -216,7 +213,7 @@ class _Sheet:
         if begin is None:
             if re.search(rf"\\(?:{'|'.join(_KINDS)})\b", self._text):
                 raise self._error(0, "rows outside of a scorelist", "\\begin{scorelist} before them")
-            return LeagueSheet(self._title, self._file, self._timeout_s(), ())
+            return self._sheet()
         end = self._text.find("\\end{scorelist}", begin.end())
         if end < 0:
             raise self._error(begin.start(), "a scorelist without an end", "\\end{scorelist}")
@@ -228,6 +225,10 @@ class _Sheet:
             self._set(given, begin.start())
         self._read_rows(position, end)
         self._add_rows()
+        return self._sheet()
+
+    def _sheet(self) -> LeagueSheet:
+        """Return the sheet with the rows so far."""
         return LeagueSheet(self._title, self._file, self._timeout_s(), tuple(self._rows), self._total)
 
     # -- what is written ----------------------------------------------------------------------------
@@ -359,7 +360,7 @@ class _Sheet:
         """Add the special penalties and bonuses, as the rule book's macros do: a bonus of 0 points is not printed."""
         if not self._is_on("specialpenbonus") or "notattendingpenalty" not in self._defaults:
             return
-        gained = _attainable(self._rows, self._total)
+        gained = self._sheet().attainable
         self._add(RowKind.PENALTY, -self._number(self._defaults.get("notattendingpenalty", "0"), 0), "Not attending")
         if self._is_on("startbutton"):
             self._add(RowKind.PENALTY, -self._number(self._options["startbuttonpenalty"], 0),

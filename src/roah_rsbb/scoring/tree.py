@@ -604,7 +604,7 @@ class _Tree:
 
     @staticmethod
     def _round(item: Item, points: Fraction) -> Fraction:
-        return points if item.decimals is None else _rounded(points, item.decimals)
+        return points if item.decimals is None else rounded(points, item.decimals)
 
     def _clock_points(self, item: Item) -> Fraction:
         """Return the points for the time left: if what it needs is given, or else if the robot completed the run."""
@@ -710,7 +710,7 @@ class _Tree:
                                             times=number_text(times.numbers())))
 
 
-def _rounded(number: Fraction, decimals: int) -> Fraction:
+def rounded(number: Fraction, decimals: int) -> Fraction:
     """Round half up, away from zero."""
     scaled = abs(number) * 10**decimals
     whole = (2 * scaled + 1) // 2
@@ -725,7 +725,7 @@ def _sum_text(terms: Sequence[Fraction]) -> str:
 
 def rounded_text(number: Fraction) -> str:
     """Return a number for people: exact if it has at most three decimals, else rounded to them, half up."""
-    thousandths = int(_rounded(number, 3) * 1000)
+    thousandths = int(rounded(number, 3) * 1000)
     text = f"{abs(thousandths) // 1000}.{abs(thousandths) % 1000:03}".rstrip("0").rstrip(".")
     return f"-{text}" if thousandths < 0 else text
 
