@@ -111,6 +111,15 @@ class TestBoxPage(NeedsBrowser):
                      f"(document.querySelectorAll('.filters select')[{place}])")
             page.wait(f"document.querySelectorAll('.event').length === {shown}", "only those of the zone and day")
 
+    def test_a_zone_stands_on_the_colour_of_its_state(self) -> None:
+        self.running()
+        page = self.opened("overview")
+        page.get("document.body.append(Object.assign(document.createElement('i'), {id: 'executing'}))")
+        page.get("document.querySelector('#executing').style.background = 'var(--state-executing-band)'")
+        page.wait(f"""['[data-zone="{HOME}"] .band', '#executing'].map(one => document.querySelector(one))
+                  .map(one => one && getComputedStyle(one).backgroundColor)
+                  .every((one, i, all) => one && one === all[0])""", "it is that of a run in progress")
+
     def test_an_event_is_not_chosen_while_a_run_is_connected(self) -> None:
         self.running()
         page = self.opened("schedule", "referee", HOME)
