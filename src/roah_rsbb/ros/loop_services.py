@@ -20,6 +20,7 @@ from typing import Any, Callable, Deque, Dict, NamedTuple, Optional
 import genpy
 import rosgraph.network
 import rospy
+from rospy.impl import tcpros_service
 
 from roah_rsbb.ground.loop import ANSWER_TIMEOUT_S
 from roah_rsbb.ros.connections import DEADLINE_S, MAX_HANDSHAKE, MAX_WAITING
@@ -38,7 +39,7 @@ _LENGTH = struct.Struct("<I")
 _ANSWER = struct.Struct("<BI")  # whether the call succeeded; the length of the answer, or of the text why not
 
 
-class _Registered(rospy.Service):
+class _Registered(tcpros_service.ServiceImpl):
     """A service that rospy registers with the ROS master, at an address that is not that of rospy's own server."""
 
     def __init__(self, name: str, kind: type, handle: Callable[[Any], Any], wait: Optional[Callable[[Any], Any]],
@@ -88,7 +89,8 @@ class LoopServices:
         returns the answer. Both may raise ServiceException.
         """
         service = _Registered(name, kind, handle, wait, self._ports[is_urgent])
-        self.services[service.resolved_name] = service
+        self.services[service.resolved_name] = service  # first: whoever asks the master may call at once
+        tcpros_service.get_service_manager().register(service.resolved_name, service)
         return service
 
     def close(self) -> None:

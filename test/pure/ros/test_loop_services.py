@@ -11,7 +11,7 @@ rospy = pytest.importorskip("rospy")
 network = pytest.importorskip("rosgraph.network")
 srv = pytest.importorskip("roscpp.srv")
 
-from rospy.impl import tcpros_service  # noqa: E402
+from rospy.impl import registration, tcpros_service  # noqa: E402
 
 from roah_rsbb.comm.peer import Peer  # noqa: E402
 from roah_rsbb.ros import loop_services  # noqa: E402  (only with ROS)
@@ -100,6 +100,18 @@ def world(running, monkeypatch):
     made = World(running)
     yield made
     made.close()
+
+
+def test_a_service_is_served_before_the_master_knows_of_it(world, monkeypatch):
+    served = []
+
+    class Listener(registration.RegistrationListener):
+        def reg_added(self, resolved_name, data_type_or_uri, reg_type):
+            served.append((resolved_name, resolved_name in world.services.services))
+
+    monkeypatch.setattr(registration.get_registration_listeners(), "listeners", [Listener()])
+    world.services.add("/core/new", Service, world._handle)
+    assert served == [("/core/new", True)]
 
 
 def test_the_core_is_checked_before_an_answer_leaves(world):
