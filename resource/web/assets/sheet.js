@@ -58,12 +58,12 @@ function Item({item, zone, waiting, refused, mark, texts, judge, give, happening
   const isEarned = isWorth && (hasPoints ? points !== 0 : count > 0);
   const touch = (sign) => isBool ? enter({value: Number(sign > 0)}, texts[sign > 0 ? "yes" : "no"])
     : enter({added: String(sign * item.step)}, `${sign > 0 ? "+" : "−"}${item.step}${isShare(item) ? " %" : ""}`);
-  const late = waiting.some((one) => one.isLate);
+  const late = waiting.some((one) => one.isLate), hasHelp = item.help || item.decided.length > 0;
   return html`
     <li class="item ${item.is_penalty ? "penalty" : item.under ? "modifier" : ""} ${count > 0 ? "given" : ""}" data-item=${name}>
       <button type="button" class="item-name" aria-expanded=${isOpen} data-meaning=${name} onClick=${() => setOpen(!isOpen)}>${name}
         <small><b class="shown ${hasPoints && (isBool || !isTouched && !item.text) ? "unseen" : ""}">${shown}</b> ${item.worth} ${
-          item.help && html`<${Icon} name="rules" />`}</small></button>
+          hasHelp && html`<b class="ask">?</b>`}</small></button>
       ${isTouched ? html`<button type="button" class="take-back ${canTakeBack ? "" : "none"}" disabled=${!canTakeBack} data-meaning="less"
           onClick=${() => touch(-1)}><${Icon} name=${item.is_penalty || isBool ? "undo" : "minus"} /><span class="unseen">${
           texts.subtract.replace("{item}", () => name)}</span></button>` : html`<span></span>`}
@@ -91,7 +91,7 @@ function Item({item, zone, waiting, refused, mark, texts, judge, give, happening
       ${isOpen && html`
         <div class="options help">
           ${item.help && html`<p><${Icon} name="rules" /> ${item.help}</p>`}
-          ${(item.rulings || []).map((ruling) => html`<p><${Icon} name="ruling" /> ${ruling}</p>`)}
+          ${item.decided.map((ruling) => html`<p><${Icon} name="ruling" /> ${ruling}</p>`)}
           ${happenings.filter((one) => one.group === item.group && one.desc === item.desc).slice(0, MOST_MARKS).map((one) => html`
             <p key=${one.id} class="small ${one.state || ""}"><${Icon} name="timeline" /> ${[one.clock || one.time, one.change, one.who, one.said].filter(Boolean).join(" · ")}</p>`)}
           ${canEnter && html`<label>${texts.note}: ${texts.note_how}

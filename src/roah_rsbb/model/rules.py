@@ -5,7 +5,7 @@ under, because lists are what records, journals and faces hold. Numbers are exac
 """
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import NamedTuple, Optional, Tuple
 
@@ -95,6 +95,8 @@ class Item:
     for_team: bool = False  # the team gets its points whichever attempt counts: they are not part of the sheet's
     total: Number = None  # the most points that it can give, as the rule book states them
     tags: Tuple[str, ...] = ()
+    help: str = ""  # when to mark it, for referees
+    decided: Tuple[str, ...] = field(default=(), compare=False)  # what the competition decided: choice and reading
 
     @property
     def has_points(self) -> bool:
@@ -140,6 +142,8 @@ class Incident:
     longer: Number = None  # seconds that one extension may have at most
     requests: Optional[int] = None  # how many extensions are allowed
     at_end: Tuple[str, ...] = ()  # it also comes when a run ends in one of these ways: the team was missing or withdrew
+    help: str = ""  # as of an item
+    decided: Tuple[str, ...] = field(default=(), compare=False)
 
     @property
     def title(self) -> str:

@@ -146,6 +146,8 @@ class SheetItem(NamedTuple):
     incident: str = ""  # what the rules call an incident
     after: str = ""  # of an incident: seconds after which another one follows by itself
     until: Tuple[str, ...] = ()  # of an incident: desc of each that ends it
+    help: str = ""  # when to mark it, as the rules say
+    decided: Tuple[str, ...] = ()  # what the competition decided about it: choice and reading
 
 
 class Switches(NamedTuple):

@@ -95,6 +95,8 @@ def differences(name: str, before: Any, after: Any) -> List[str]:
             label = _NAMES.get(field.name, field.name.replace("_", " "))
             if (type(before), field.name) in _ROWS and getattr(before, "sheet", None) != getattr(after, "sheet", None):
                 continue  # its rows are those of the sheet
+            if not field.compare:
+                continue  # what follows from other fields
             values = getattr(before, field.name), getattr(after, field.name)
             if field.name in _SECONDS and values[0] != values[1]:
                 words = ("none" if value is None else f"{value:g} s" for value in map(_float, values))

@@ -7,6 +7,7 @@ chosen values in their places before the file is read, so that no other reader n
 """
 
 import os
+from dataclasses import replace
 from typing import Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
 
 from roah_rsbb.model.rules import Decision
@@ -21,6 +22,8 @@ DECIDE, NOTHING = "decide", "nothing"
 _NAMES = ("code", "item", "section", "stage", "test", "name")
 # The files of a folder in which values may be decided.
 _FILES = ("benchmarks.yaml", "standings.yaml")
+# The key of what hangs under a row, and has decisions of its own.
+_ROWS = "items"
 _SHAPE = "lines 'name of a choice: reading'"
 _CHOICE = "two or more readings with their values, such as '{decide: Finalists of nine teams, 4: 4, 3: 3}'"
 
@@ -106,6 +109,7 @@ class _Resolver:
         self._chosen = chosen
         self._first: Dict[str, Decided] = {}
         self._refused: Set[str] = set()  # choices whose reading is unknown: reported once
+        self._here: List[str] = []  # what was chosen in the map that is read now
 
     def names(self) -> Set[str]:
         """Return the names of the choices."""
@@ -120,13 +124,19 @@ class _Resolver:
             return node
         if any(key.text == DECIDE for key, _ in node.pairs):
             return self._decided(node, where)
-        pairs = [(key, self.value(value, (*where, key.text))) for key, value in node.pairs]
-        return Mapping(node.place, tuple((key, value) for key, value in pairs if value is not None), node.whole)
+        pairs, found = [], []
+        for key, value in node.pairs:
+            resolved_value, here = self._apart(value, (*where, key.text))
+            pairs.append((key, resolved_value))
+            found += [] if key.text == _ROWS else here
+        self._here += found
+        return Mapping(node.place, tuple((key, value) for key, value in pairs if value is not None), node.whole,
+                       tuple(found))
 
     def _decided(self, node: Mapping, where: Tuple[str, ...]) -> Optional[Node]:
         name = text(self._report, next(value for key, value in node.pairs if key.text == DECIDE), "name of a choice")
         pairs = [(key, value) for key, value in node.pairs if key.text != DECIDE]
-        values = {key.text: None if _is_nothing(value) else self.value(value, where) for key, value in pairs}
+        values = {key.text: (None, []) if _is_nothing(value) else self._apart(value, where) for key, value in pairs}
         if name is None or not node.whole:
             return Unusable(node.place)
         if len(pairs) < 2:
@@ -144,7 +154,17 @@ class _Resolver:
                           tuple(_shown(value) for _, value in pairs))
         self._first.setdefault(name, decided)
         self.places.append(decided)
-        return values[chosen]
+        found, inner = values[chosen]
+        said = f"{name}: {chosen}"
+        self._here += [said, *inner]
+        return replace(found, decided=(said, *found.decided)) if isinstance(found, Mapping) else found
+
+    def _apart(self, node: Node, where: Tuple[str, ...]) -> Tuple[Optional[Node], List[str]]:
+        """Return a node with the chosen values, and what was chosen in it."""
+        around, self._here = self._here, []
+        found, here = self.value(node, where), self._here
+        self._here = around
+        return found, here
 
     def _reading(self, name: str, readings: Tuple[str, ...]) -> str:
         """Return the reading that was chosen."""

@@ -17,12 +17,14 @@ from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusa
 from roah_rsbb.wording.texts import did_you_mean
 
 MAX_JUDGES = 20
+MAX_HELP_BYTES = 500
 # Nobody waits longer in a run.
 _MAX_SECONDS = 86400
 
 _ROWS = "rows '- {item: ..., points: 10}' or '- section: ...'"
 _OF_BOTH = {"id": "1", "min": "0", "max": "100", "items": "[...]", "needs": "Opens the door", "unless": "Gives up",
-            "withholds": "[Takes the cup]", "tags": "[manipulation]", "for_team": "yes", "total": "1490"}
+            "withholds": "[Takes the cup]", "tags": "[manipulation]", "for_team": "yes", "total": "1490",
+            "help": "Once for each door"}
 _SECTION = {"section": "Main goal"}
 _ITEM = {"item": "Opens the door"}
 _ITEM_OPTIONAL = {
@@ -58,7 +60,7 @@ _INCIDENT = {
     "times": "1", "below": "40", "net": "yes", "when": "audience interference", "unless": "announced",
     "voids": "earlier", "marks": "Cheating", "scored_after": "yes", "until": "restarted", "pauses": "yes",
     "of": "inactive", "after": "30", "longer_by": "longer time", "longer": "180", "requests": "1",
-    "at_end": "no_show",
+    "at_end": "no_show", "help": "Only before the robot was touched",
 }
 _ENDS = tuple(reason.name.lower() for reason in NOT_RUN)
 _VOIDS = {each.value: each for each in Voids}
@@ -132,6 +134,11 @@ def _words(report: Report, node: Optional[Node], what: str) -> Tuple[Node, ...]:
     if not isinstance(node, Sequence):
         return () if node is None else (node,)
     return sequence(report, node, what, "names") or ()
+
+
+def _decided(node: Node) -> Tuple[str, ...]:
+    """Return what the competition decided about a row or an incident, each once."""
+    return tuple(dict.fromkeys(node.decided)) if isinstance(node, Mapping) else ()
 
 
 def _is_one(node: Node) -> bool:
@@ -233,7 +240,8 @@ class _Rows:
                     for_team=_yes(report, got, "for_team"),
                     total=exact(report, got.get("total"), "total", -MAX_NUMBER, MAX_NUMBER),
                     tags=tuple(filter(None, [text(report, tag, "a tag") for tag in
-                                             _words(report, got.get("tags"), "tags")])))
+                                             _words(report, got.get("tags"), "tags")])),
+                    help=text(report, got.get("help"), "help", MAX_HELP_BYTES) or "", decided=_decided(node))
         least, most = ends(report, got, quote(name))
         item = replace(item, least=least, most=most)
         if not is_section and amount is not None:
@@ -493,6 +501,7 @@ class _Incidents:
             requests=integer(report, got.get("requests"), "requests", 1, MAX_VALUE),
             at_end=tuple(filter(None, [choice(report, each, "at_end", _ENDS, "how a run ends that was not held")
                                        for each in _words(report, got.get("at_end"), "at_end")])),
+            help=text(report, got.get("help"), "help", MAX_HELP_BYTES) or "", decided=_decided(node),
         )
         for one, other in (("of", "after"), ("after", "of"), ("longer", "longer_by"), ("requests", "longer_by"),
                            ("longer_by", "after"), ("net", "below"), ("scored_after", "marks")):

@@ -56,11 +56,12 @@ class Mapping(Node):
     """The keys and values of a map in the file's order. Each key occurs once.
 
     `whole` is False if a pair could not be read or a key was repeated. A key that seems to be missing may be in that
-    pair.
+    pair. `decided`: what was left to people and is chosen in it (`decisions`), without rows under it.
     """
 
     pairs: Tuple[Tuple[Scalar, Node], ...]
     whole: bool
+    decided: Tuple[str, ...] = ()
 
 
 class ErrorInWords(NamedTuple):

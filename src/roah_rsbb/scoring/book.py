@@ -562,8 +562,16 @@ def _check_named(who: str) -> None:
 
 
 def is_scored_alike(one: SheetForm, other: SheetForm) -> bool:
-    """Whether two sheets have the same items and rules, whatever the time for objections is."""
-    return len({replace(modern(form), objection_time=0.0, judges=None) for form in (one, other)}) == 1
+    """Whether two sheets have the same items and rules, whatever their help and the time for objections is."""
+    first, second = (replace(modern(form), objection_time=0.0, judges=None) for form in (one, other))
+    return first == second or _without_help(first) == _without_help(second)
+
+
+def _without_help(form: SheetForm) -> SheetForm:
+    sheet = form.sheet
+    return form if sheet is None else replace(form, sheet=replace(
+        sheet, items=tuple(replace(item, help="") for item in sheet.items),
+        incidents=tuple(replace(incident, help="") for incident in sheet.incidents)))
 
 
 class Rescored(NamedTuple):

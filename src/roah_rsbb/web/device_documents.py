@@ -193,6 +193,7 @@ def item_page(item: SheetItem) -> Data:
         "is_penalty": (item.percent or item.each).startswith("-"),
         "min": item.min, "max": item.max, "choices": item.choices,
         "choice_points": item.choice_points, "judges": item.judges, "ratings": item.ratings,
+        "help": item.help, "decided": item.decided,
     }
 
 

@@ -5,10 +5,13 @@ from decimal import Decimal
 import pytest
 
 from helpers.config_files import line_of
+from roah_rsbb.core.views.sheets import sheet_items
 from roah_rsbb.model.rules import Condition, Incident, Item, ItemChoice, JuryResult, Measure, Voids
-from roah_rsbb.model.scoring import INCIDENTS
+from roah_rsbb.model.scoring import INCIDENTS, SheetForm
+from roah_rsbb.model.scoring import rows as rows_of
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.errors import ConfigErrors, known
+from roah_rsbb.scoring.sheet import ScoreSheet
 from roah_rsbb.scoring.tree import Course, SheetMark, count
 
 HEAD = """\
@@ -292,6 +295,24 @@ def test_a_reading_may_leave_a_row_out():
     text = _of("{item: a}", "{decide: With b, no: nothing, yes: {item: b}}")
     assert [item.id for item in _read(text).items] == ["a"]
     assert [item.id for item in _read(text, decisions="With b: yes\n").items] == ["a", "b"]
+
+
+def test_a_row_has_help_and_what_was_decided_about_it():
+    """What was decided about a row under it is its own; a condition of a row belongs to the row."""
+    text = _of(CHOICE.replace("item: a", "item: a, help: 'Once, and no more'").replace(
+        "}}", "}, needs: {item: c, least: {decide: How many, one: 1, two: 2}}, "
+        "items: [{item: b, times: {decide: Times, 2: 2, 3: 3}}]}"), "{decide: With c, no: nothing, yes: {item: c}}",
+        incidents="{restart: {help: Ask the team, times: {decide: Restarts, one: 1, two: 2}}, fall: {}}")
+    sheet = _read(text, decisions="With c: yes\nHow many: two\n")
+    assert [(item.id, item.help, item.decided) for item in sheet.items] == [
+        ("a", "Once, and no more", ("Worth: five", "How many: two")), ("b", "", ("Times: 2",)),
+        ("c", "", ("With c: yes",))]
+    assert [(one.name, one.help, one.decided) for one in sheet.incidents] == [
+        ("restart", "Ask the team", ("Restarts: one",)), ("fall", "", ())]
+    shown = {item.desc: (item.help, item.decided) for item in sheet_items(
+        ScoreSheet(rows_of(sheet)).items(), SheetForm(rows_of(sheet), sheet=sheet))}
+    assert shown == {"a": ("Once, and no more", ("Worth: five", "How many: two")), "b": ("", ("Times: 2",)),
+                     "c": ("", ("With c: yes",)), "Restart": ("Ask the team", ("Restarts: one",)), "Fall": ("", ())}
 
 
 def test_choices_of_other_files_are_known(tmp_path):

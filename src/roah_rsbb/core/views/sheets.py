@@ -51,7 +51,7 @@ def sheet_items(
 
 @functools.lru_cache(maxsize=64)
 def _around(form: Optional[SheetForm]) -> Dict[Key, Dict[str, Any]]:
-    """Return what follows for rows from others: what they modify, and what an incident leads to."""
+    """Return what the rules say of rows besides their values: what they modify, what an incident leads to, help."""
     if form is None or form.sheet is None:
         return {}
     rows, items = {row.id: row for row in form.items}, {item.id: item for item in form.sheet.items}
@@ -60,14 +60,16 @@ def _around(form: Optional[SheetForm]) -> Dict[Key, Dict[str, Any]]:
         above = items[row.id].under if row.id in items else ""
         while above and above not in rows:  # a section
             above = items[above].under
-        if above:
-            found[row.key] = {"under": rows[above].desc}
+        item = items.get(row.id)
+        if item is not None and (above or item.help or item.decided):
+            found[row.key] = {"under": rows[above].desc if above else "", "help": item.help, "decided": item.decided}
     after = {incident.of: incident.after for incident in form.sheet.incidents if incident.of}
     titles = {incident.name: incident.title for incident in form.sheet.incidents}
-    for name, title in titles.items():
-        found[INCIDENTS, title] = {"incident": name, "after": _number(after.get(name))}
     for incident in form.sheet.incidents:
-        found[INCIDENTS, incident.title]["until"] = tuple(titles.get(name, name) for name in incident.ends)
+        found[INCIDENTS, incident.title] = {
+            "incident": incident.name, "after": _number(after.get(incident.name)),
+            "until": tuple(titles.get(name, name) for name in incident.ends),
+            "help": incident.help, "decided": incident.decided}
     return found
 
 
