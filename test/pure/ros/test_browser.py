@@ -55,7 +55,7 @@ def test_a_snap_has_a_profile_where_it_may_write(program, snap, tmp_path, monkey
 
 
 def test_the_first_browser_that_works_is_used(tmp_path, monkeypatch):
-    monkeypatch.setenv("PATH", f"{tmp_path}:/bin")
+    monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(browser, "BROWSERS", ("chromium-browser", "google-chrome", "firefox"))
     assert browser.find() is None
     _program(tmp_path / "chromium-browser", "echo 'install the snap'; exit 1")
