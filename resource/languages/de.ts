@@ -1032,6 +1032,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Put the run right</source>
+        <translation>Den Lauf richtigstellen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Event</source>
+        <translation>Termin</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Save</source>
         <translation>Speichern</translation>
     </message>
@@ -2201,6 +2211,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>reopened, not signed off again yet</source>
+        <translation>wieder geöffnet, noch nicht neu abgeschlossen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>corrected at {time} by {name} (version {number})</source>
+        <translation>korrigiert um {time} von {name} (Fassung {number})</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>signed off at {time}</source>
         <translation>abgeschlossen um {time}</translation>
     </message>
@@ -2208,6 +2228,21 @@
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>signed off by {name} at {time}</source>
         <translation>abgeschlossen von {name} um {time}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>{signed}; replaced at {time} by {name}: what was printed or published in between has it</source>
+        <translation>{signed}; ersetzt um {time} von {name}: was dazwischen gedruckt oder veröffentlicht wurde, zeigt diese Fassung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Total</source>
+        <translation>Summe</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>{what}: {before}, now {after}</source>
+        <translation>{what}: {before}, jetzt {after}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
@@ -2268,6 +2303,11 @@
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>no score: all robots at once</source>
         <translation>keine Wertung: alle Roboter zugleich</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>does not count: annulled</source>
+        <translation>zählt nicht: annulliert</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
@@ -2431,6 +2471,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Annulled: it counts nothing</source>
+        <translation>Annulliert: zählt nichts</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Score sheet reopened</source>
+        <translation>Wertungsbogen wieder geöffnet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
         <source>It was made before the sign-off and arrived after it: accept or drop it</source>
         <translation>Vor dem Abschluss eingegeben, danach angekommen: annehmen oder verwerfen</translation>
     </message>
@@ -2438,6 +2488,26 @@
         <location filename="../../src/roah_rsbb/wording/timeline.py"/>
         <source>A moment to remember: no text yet</source>
         <translation>Gemerkter Moment: noch ohne Text</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Version {number} of the sheet: {text}</source>
+        <translation>Fassung {number} des Bogens: {text}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Moved: {before}, now {after}</source>
+        <translation>Verschoben: {before}, jetzt {after}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>taken back by {name} at {time}: {reason}</source>
+        <translation>zurückgenommen von {name} um {time}: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>team {team}, {turn}</source>
+        <translation>Team {team}, {turn}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/timeline.py"/>
@@ -4313,6 +4383,26 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/desks.py"/>
+        <source>the run was scored by the sheet of {code}: it can be moved to an event of {code} of one team. Otherwise annul it, and enter the score at the right event (&apos;Score without a robot&apos;)</source>
+        <translation>der Lauf wurde nach dem Bogen von {code} gewertet: er kann zu einem Termin von {code} eines Teams verschoben werden. Sonst annullieren und die Wertung beim richtigen Termin eingeben („Ohne Roboter werten“)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/desks.py"/>
+        <source>the event has no id: reload the configuration first, which writes it</source>
+        <translation>der Termin hat keine Kennung: erst die Konfiguration neu laden, das schreibt sie</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/desks.py"/>
+        <source>the run belongs to this event already</source>
+        <translation>der Lauf gehört schon zu diesem Termin</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/desks.py"/>
+        <source>the team has had its {number} attempts at that event: annul one of them first</source>
+        <translation>das Team hatte seine {number} Versuche bei diesem Termin: erst einen davon annullieren</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/desks.py"/>
         <source>run {run} is still connected: disconnect it first</source>
         <translation>Lauf {run} ist noch verbunden: Trennen Sie ihn zuerst</translation>
     </message>
@@ -5173,6 +5263,46 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Annul the run</source>
+        <translation>Lauf annullieren</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>It is kept and shown, counts nothing, and gives its attempt back</source>
+        <translation>Er bleibt erhalten und sichtbar, zählt nichts und gibt seinen Versuch zurück</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Move the run</source>
+        <translation>Lauf verschieben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>To the right event of the same benchmark: of another team, round or time</source>
+        <translation>Zum richtigen Termin desselben Benchmarks: eines anderen Teams, einer anderen Runde oder Zeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Reopen the sheet</source>
+        <translation>Bogen wieder öffnen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>A signed sheet can be corrected again. It is kept; the next sign-off makes a new version</source>
+        <translation>Ein abgeschlossener Bogen kann wieder korrigiert werden. Er bleibt erhalten; der nächste Abschluss macht eine neue Fassung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Take it back</source>
+        <translation>Zurücknehmen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>The last of annulled, moved and reopened no longer holds for the run</source>
+        <translation>Das letzte Annullieren, Verschieben oder Öffnen gilt für den Lauf nicht mehr</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Record why it ended</source>
         <translation>Festhalten, warum er endete</translation>
     </message>
@@ -5350,11 +5480,6 @@
         <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Reason for the stop</source>
         <translation>Grund des Stopps</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/model/actions.py"/>
-        <source>Event</source>
-        <translation>Termin</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
@@ -5550,6 +5675,31 @@
         <location filename="../../src/roah_rsbb/scoring/book.py"/>
         <source>the signature is not made of lines such as M10 20L30 40</source>
         <translation>Die Unterschrift besteht nicht aus Linien wie M10 20L30 40</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>the run is annulled already</source>
+        <translation>der Lauf ist schon annulliert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>the score sheet is not signed off: correct it</source>
+        <translation>der Bogen ist nicht abgeschlossen: ihn einfach korrigieren</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>nothing was annulled, moved or reopened that could be taken back</source>
+        <translation>nichts wurde annulliert, verschoben oder geöffnet, das zurückgenommen werden könnte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>the score sheet was changed since it was reopened: withdraw the changes, or sign it off again</source>
+        <translation>der Bogen wurde seit dem Öffnen geändert: die Änderungen zurückziehen oder ihn neu abschließen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/book.py"/>
+        <source>enter why: the reason is kept with the score sheet</source>
+        <translation>den Grund eingeben: er bleibt beim Wertungsbogen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/book.py"/>

@@ -165,7 +165,8 @@ function Runs({data, zone, texts, marks, undo, give, ...rest}) {
       <${Pane} name="${texts.part_runs}: ${zone.zone}" more=${html`<${OfZone} part="runs" zone=${zone} texts=${texts} ...${rest} />`}>
         ${data.runs.length === 0 && html`<p class="nothing">${texts.no_runs} ${texts.no_runs_how}</p>`}
         <ul class="unsigned">${data.runs.map((run) => html`
-          <${FinishedRun} key=${run.identity} zone=${zone} run=${run} marks=${marks} texts=${texts} give=${give} undo=${undo} />`)}</ul>
+          <${FinishedRun} key=${run.identity} zone=${zone} run=${run} marks=${marks} texts=${texts} give=${give} undo=${undo}
+            events=${data.events[run.code]} />`)}</ul>
         ${data.hidden > 0 && html`<p class="facts">${texts.hidden.replace("{number}", () => data.hidden)}</p>`}
       <//>
       <${Standings} standings=${data.standings} texts=${texts} />

@@ -9,7 +9,7 @@ import {Sheet, Steps} from "/assets/sheet.js";
 
 // `run`: as in the zone's list of those that wait for a sign-off, or with more from the list of all runs. Whoever pressed
 // its sign-off once, and sees another score then, presses twice again.
-export function FinishedRun({zone, run, marks, texts, undo, give}) {
+export function FinishedRun({zone, run, marks, texts, undo, give, events = []}) {
   const judged = zone.judging.find((one) => one.identity === run.identity);
   const isOpen = run.is_closed === false, isJudged = run.is_judged || Boolean(judged && judged.count > 0);
   return html`
@@ -24,7 +24,22 @@ export function FinishedRun({zone, run, marks, texts, undo, give}) {
           reasons=${isOpen ? [texts.still_connected] : marks.waiting.some((mark) => mark.identity === run.identity) ? [texts.marks_wait] : []}
           act=${() => give("sign_off", texts, texts.sign_off, {identity: run.identity})} />`}
       ${judged && !isJudged && html`<${Publication} zone=${zone.zone} run=${judged} texts=${texts} give=${give} />`}
+      ${run.put_right && run.put_right.length > 0 && html`<${PutRight} run=${run} events=${events} texts=${texts} give=${give} />`}
     </li>`;
+}
+
+// A run that should not count, or not for this team. `events`: the id and the name of each to which it may be moved.
+function PutRight({run, events, texts, give}) {
+  const [event, setEvent] = useState("");
+  const ask = (name, given) => give(name, texts, texts[`${name}_run`], {identity: run.identity, given});
+  return html`
+    <details class="put-right"><summary>${texts.put_right}</summary>
+      ${run.put_right.map((name) => name === "move" ? html`
+        <${Reasoned} key=${name} name=${name} label=${texts.move_run} texts=${texts} isOff=${!event} act=${(reason) => ask(name, {event, reason})}
+          more=${html`<label>${texts.move_to}<select value=${event} onChange=${(change) => setEvent(change.target.value)}>
+            <option value=""></option>${events.map(([id, text]) => html`<option value=${id}>${text}</option>`)}</select></label>`} />`
+        : html`<${Asked} key=${name} name=${name} label=${texts[`${name}_run`]} texts=${texts} act=${(reason) => ask(name, {reason})} />`)}
+    </details>`;
 }
 
 // It is fetched while it is open, again after each change. `hasItems`: they can be corrected here.
@@ -54,6 +69,8 @@ function WholeSheet({zone, run, marks, texts, undo, give, isFixed, hasItems}) {
     ${isOpen && sheet && html`
       <div class="correction">
         <p class="facts">${sheet.facts.join(" · ")}</p>
+        ${sheet.corrections.map((item) => html`
+          <p key=${item.id} class=${item.state}>${[item.time, item.who, item.text, item.note, item.said].filter(Boolean).join(" · ")}</p>`)}
         ${hasItems ? html`
           <${Sheet} zone=${{...sheet, zone: zone.zone, identity: run.identity}} marks=${marks} texts=${texts} undo=${undo}
             give=${give} />` : html`

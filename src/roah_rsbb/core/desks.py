@@ -20,11 +20,12 @@ from roah_rsbb.model.actions import ROLES
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.modules import ModulesState, RunForModule
 from roah_rsbb.model.reason import MAX_NOTE, Refused, RunName, checked_note, checked_who, say
-from roah_rsbb.model.records import By, CaptainSign, ItemRecord, JudgeSheet, Phase, RunRecord
+from roah_rsbb.model.records import By, CaptainSign, ItemRecord, JudgeSheet, Phase, RunRecord, Slot
 from roah_rsbb.model.scoring import SheetForm
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.event_ids import key_of
 from roah_rsbb.scoring.book import FinishedRun, FinishedRuns, Note, RunBook
-from roah_rsbb.scoring.counting import Counted, Counting, EventResult, Ruling, Why
+from roah_rsbb.scoring.counting import Counted, Counting, EventResult, Ruling, Why, attempts_key
 from roah_rsbb.scoring.judges import ItemVerdict
 from roah_rsbb.scoring.sheet import Mark
 
@@ -85,6 +86,11 @@ MAX_LISTED = 100
 MAX_MARK_ID = 64
 NAME_THE_RUN = say("name the run: what arrives late must not count in another run")
 OTHER_ZONE = say("run {run} was in zone '{zone}', not in '{other}'")
+OTHER_SHEET = say("the run was scored by the sheet of {code}: it can be moved to an event of {code} of one team. "
+                  "Otherwise annul it, and enter the score at the right event ('Score without a robot')")
+NO_ID = say("the event has no id: reload the configuration first, which writes it")
+SAME_EVENT = say("the run belongs to this event already")
+FULL = say("the team has had its {number} attempts at that event: annul one of them first")
 STILL_CONNECTED = say("run {run} is still connected: disconnect it first")
 
 
@@ -178,7 +184,8 @@ class ScoreDesk:
 
     def unsigned(self) -> List[Union[ZoneRun, FinishedRun]]:
         """Return the runs in the zones, in their order, then the newest finished runs that are not signed off."""
-        finished = [run for run in self._finished.newest_runs(MAX_LISTED) if run.record.sign_off is None]
+        finished = [run for run in self._finished.newest_runs(MAX_LISTED)
+                    if run.record.sign_off is None and not run.record.is_annulled]
         return [*self._zones.runs(), *finished]
 
     # -- scores -------------------------------------------------------------------------------------
@@ -232,18 +239,57 @@ class ScoreDesk:
 
     def captain(self, now: Now, name: RunName, sign: CaptainSign) -> None:
         """Take the captain's signature, or the refusal to sign. Raises `Refused`."""
-        run = self.named(name)
-        if not isinstance(run, FinishedRun):
-            raise Refused([STILL_CONNECTED(run=run.identity)])
+        run = self._over_named(name)
         self.report_correction(run, run.take_captain(sign._replace(
             name=checked_who(sign.name), comment=checked_note(sign.comment), who=checked_who(sign.who))))
 
     def decide(self, now: Now, name: RunName, number: int, accept: bool, reason: str, who: str = "") -> None:
         """Accept or drop a mark that arrived after the sign-off. Raises `Refused`."""
-        run, by = self.named(name), By(checked_who(who), checked_note(reason))
+        run, by = self._over_named(name), By(checked_who(who), checked_note(reason))
+        self.report_correction(run, run.decide(now, by, number, accept))
+
+    def annul(self, now: Now, name: RunName, by: By) -> None:
+        """Let a run count nothing. Raises `Refused`, as the next ones."""
+        run = self._over_named(name)
+        self.report_correction(run, run.annul(now, _checked(by)))
+
+    def move(self, now: Now, name: RunName, event_id: str, by: By) -> None:
+        """Let a run belong to another event of its benchmark: of another team, round or time."""
+        run, found = self._over_named(name), self._zones.event_named(event_id)
+        record = run.record
+        if found is None:
+            raise Refused([NO_EVENT(zone=name.zone, event=event_id)])
+        zone, event = found
+        if event.benchmark.code != record.benchmark or event.team == ALL_TEAMS:
+            raise Refused([OTHER_SHEET(code=record.benchmark)])
+        if not event.id and zone != record.zone:
+            raise Refused([NO_ID])
+        slot = Slot(event.team, event.round, event.run, event.scheduled, event.id)
+        if record.slot == slot:
+            raise Refused([SAME_EVENT])
+        there = record._replace(**slot._asdict(), changes=())
+        attempts = [each for each in [*self._finished.records(), *(own.record(now) for own in self._zones.runs())]
+                    if each.started_utc and not each.is_annulled and attempts_key(each) == attempts_key(there)]
+        most = event.benchmark.rules.attempts
+        if most and record.started_utc and not record.is_annulled and len(attempts) >= most:
+            raise Refused([FULL(number=most)])
+        self.report_correction(run, run.move(now, _checked(by), slot))
+
+    def reopen(self, now: Now, name: RunName, by: By) -> None:
+        """Let a signed sheet be corrected."""
+        run = self._over_named(name)
+        self.report_correction(run, run.reopen(now, _checked(by)))
+
+    def undo(self, now: Now, name: RunName, by: By) -> None:
+        """Take the last of these back."""
+        run = self._over_named(name)
+        self.report_correction(run, run.undo(now, _checked(by)))
+
+    def _over_named(self, name: RunName) -> FinishedRun:
+        run = self.named(name)
         if not isinstance(run, FinishedRun):
             raise Refused([STILL_CONNECTED(run=run.identity)])
-        self.report_correction(run, run.decide(now, by, number, accept))
+        return run
 
     def note(self, now: Now, name: RunName, note: Note, who: str = "") -> None:
         """Note a moment of a run, or enter the text of a note. Raises `Refused`. A note with an identity names its run,
@@ -266,9 +312,7 @@ class ScoreDesk:
         """Make the score sheet of a finished run final. Raises `Refused`."""
         if not name.identity:
             raise Refused([say("name the run to sign off: only a run that is over can be signed off")])
-        run = self.named(name)
-        if not isinstance(run, FinishedRun):
-            raise Refused([STILL_CONNECTED(run=name.identity)])
+        run = self._over_named(name)
         self.report_correction(run, run.sign_off(now, checked_who(who)))
 
     # -- stop ---------------------------------------------------------------------------------------
@@ -316,6 +360,10 @@ class ScoreDesk:
         self._outbox.emit(effects.RecordChanged(record))
         what = f"{record.benchmark}, team {record.team}, round {record.round}, run {record.run}"
         self._outbox.notice(Level.INFO, f"{what}: {text}", record.zone)
+
+
+def _checked(by: By) -> By:
+    return By(checked_who(by.who), checked_note(by.reason))
 
 
 def check_mark_id(mark_id: str) -> None:

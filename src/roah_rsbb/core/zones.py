@@ -130,7 +130,8 @@ class Zone:
         event = self.event
         if record.event and event.id:
             return record.event == event.id and is_attempt(record, event)
-        return record.zone == self.name and self.place_of(key_of_record(record)) == self.index
+        return (record.zone == self.name and self.place_of(key_of_record(record)) == self.index
+                and is_attempt(record, event))
 
     def place_named(self, name: str) -> Optional[int]:
         """Return the place of the event of that id; None: the zone has no such event. One that is not from a file has
@@ -286,13 +287,18 @@ class Zones(Dict[str, Zone]):
             found = [] if place is None else [(record.zone, place)]
         return [(name, place) for name, place in found if is_attempt(record, self[name].events[place])]
 
+    def event_named(self, name: str) -> Optional[Tuple[str, ScheduledEvent]]:
+        """Return the event of that id with its zone; None: there is none."""
+        places = ((zone, zone.place_named(name)) for zone in self.values())
+        return next(((zone.name, zone.events[place]) for zone, place in places if place is not None), None)
+
     def last_runs(self, records: Iterable[RunRecord]) -> Dict[Tuple[str, int], RunRecord]:
         """Return the last run of each event, by zone and place in its schedule. `records`: the newest first."""
         last: Dict[Tuple[str, int], RunRecord] = {}
         seen: Set[Tuple[object, ...]] = set()
         for record in records:
             event = record.event, record.zone, key_of_record(record)
-            if event not in seen:
+            if event not in seen and not record.is_annulled:
                 seen.add(event)
                 for place in self.places_of(record):
                     last.setdefault(place, record)

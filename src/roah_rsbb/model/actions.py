@@ -65,7 +65,7 @@ class Action:
         return self.name.replace("_", "-")
 
 
-_TEAM = say("Team")
+_TEAM, _EVENT = say("Team"), say("Event")
 _JUDGE, _NOTE, _REASON, _TEXT = say("Judge"), say("Note"), say("Reason"), say("Text")
 # An event that is signed off has its result: whoever begins there again says so.
 AGAIN = Confirmed("again", say("Another attempt at an event that is signed off"), required=False)
@@ -116,7 +116,7 @@ _ALL = (
            question=say("Did team {team} withdraw? The zone leaves this event."), careful=True, leaves=True, aims=True,
            what=say("Withdrawal in {zone}")),
     Action("choose_event", say("Choose the event"), say("Go to this event of the zone's schedule"),
-           (EventId("event", say("Event")), Team("team", _TEAM, required=False),
+           (EventId("event", _EVENT), Team("team", _TEAM, required=False),
             Toggle("unsigned", say("Also leave a run that is not signed off"), required=False)), leaves=True),
     Action("operation", say("Manual operation complete"),
            say("Of a benchmarking module, whose form is filled in; without a number: the current one"),
@@ -167,6 +167,17 @@ _ENTRIES = (
            say("It was made before the sign-off and arrived after it. If it is accepted, you sign the new sheet"),
            (Number("number", _NUMBER, low=1), Toggle("accept", say("Accept it"), required=False),
             TypedText("reason", _REASON, required=False)), durable=True),
+    Action("annul", say("Annul the run"),
+           say("It is kept and shown, counts nothing, and gives its attempt back"),
+           (TypedText("reason", _REASON),), durable=True),
+    Action("move", say("Move the run"),
+           say("To the right event of the same benchmark: of another team, round or time"),
+           (EventId("event", _EVENT), TypedText("reason", _REASON)), durable=True),
+    Action("reopen", say("Reopen the sheet"),
+           say("A signed sheet can be corrected again. It is kept; the next sign-off makes a new version"),
+           (TypedText("reason", _REASON),), durable=True),
+    Action("undo", say("Take it back"), say("The last of annulled, moved and reopened no longer holds for the run"),
+           (TypedText("reason", _REASON),), durable=True),
     Action("stop_reason", say("Record why it ended"), say("Possible until the run is signed off"),
            (TypedText("reason", _REASON, required=False), Number("stop", _NUMBER, required=False)), durable=True),
     Action("sign_off", say("Sign off"), say("The score sheet of a run that is over becomes final"), durable=True),

@@ -309,6 +309,34 @@ class SheetVersion(NamedTuple):
     form: Optional[SheetForm]
 
 
+class Slot(NamedTuple):
+    """The event to which a run belongs, of one benchmark."""
+
+    team: str
+    round: int
+    run: int
+    scheduled: float  # UTC seconds
+    event: str  # its id
+
+
+class RunChange(NamedTuple):
+    """A run that is over was put right. One that was taken back is kept, too."""
+
+    utc: float  # UTC seconds
+    what: str  # ANNULLED, MOVED or REOPENED
+    who: str
+    reason: str
+    before: Optional[Slot] = None  # of a run that was moved
+    after: Optional[Slot] = None
+    undone_utc: float = 0.0  # UTC seconds; 0.0: it holds
+    undone_by: str = ""
+    undone_reason: str = ""
+
+
+# It counts nothing, and is no attempt; it belongs to another event; its sheet is not signed any more.
+ANNULLED, MOVED, REOPENED = "annulled", "moved", "reopened"
+
+
 class PublicationRecord(NamedTuple):
     """The publication of a result as provisional, and the objections to it. The sign-off ends both."""
 
@@ -349,6 +377,17 @@ class RunRecord(NamedTuple):
     captain: Tuple[CaptainSign, ...] = ()  # oldest first; the last one holds
     proposals: Tuple[Proposal, ...] = ()  # in the order in which they arrived
     timeline: Tuple[TimelineEntry, ...] = ()  # oldest first; marks and ends have lists of their own
+    changes: Tuple[RunChange, ...] = ()  # oldest first
+
+    @property
+    def is_annulled(self) -> bool:
+        """Whether it counts nothing, because somebody said so."""
+        return any(change.what == ANNULLED and not change.undone_utc for change in self.changes)
+
+    @property
+    def slot(self) -> Slot:
+        """The event to which it belongs."""
+        return Slot(self.team, self.round, self.run, self.scheduled, self.event)
 
 
 def submitted(record: RunRecord) -> Tuple[JudgeSheet, ...]:

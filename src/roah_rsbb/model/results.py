@@ -7,7 +7,15 @@ Times are UTC seconds since 1970; None: not yet, or never.
 from typing import NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.reason import Said
-from roah_rsbb.model.records import CaptainSign, Outage, ScoreValue, SheetPoints, TimelineEntry
+from roah_rsbb.model.records import (
+    CaptainSign,
+    ItemRecord,
+    Outage,
+    RunChange,
+    ScoreValue,
+    SheetPoints,
+    TimelineEntry,
+)
 from roah_rsbb.model.zone import SheetItem
 
 
@@ -31,6 +39,18 @@ class RunLine(NamedTuple):
     signed_by: str = ""
     counts: str = ""  # whether it counts, and why or why not: a word of `wording.sheets`
     proposals: int = 0  # marks that arrived after the sign-off, and on which nobody has decided
+    versions: int = 0  # earlier ones of its signed sheet
+    can_undo: bool = False  # that it was annulled, moved or reopened can be taken back
+
+    @property
+    def is_annulled(self) -> bool:
+        """Whether somebody annulled it."""
+        return self.counts == "annulled"
+
+    @property
+    def is_unsigned(self) -> bool:
+        """Whether it is over and waits for its sign-off."""
+        return self.closed_utc_s is not None and self.signed_utc_s is None and not self.is_annulled
 
 
 class HistoryEntry(NamedTuple):
@@ -78,6 +98,20 @@ class ProposedMark(NamedTuple):
     reason: str = ""
 
 
+class VersionLine(NamedTuple):
+    """A signed score sheet that another version replaced."""
+
+    number: int  # from 1
+    signed_utc_s: float
+    signed_by: str
+    replaced_utc_s: float
+    replaced_by: str
+    why: str
+    points: str = ""  # a decimal number; empty: the sheet gives none
+    then_points: str = ""  # of the version after it
+    changed: Tuple[Tuple[ItemRecord, ItemRecord], ...] = ()  # items before and after it, those that differ
+
+
 class RunEnd(NamedTuple):
     """One end of a run."""
 
@@ -105,6 +139,8 @@ class RunTimeline(NamedTuple):
     signed_by: str = ""
     proposals: Tuple[ProposedMark, ...] = ()
     captain: Tuple[CaptainSign, ...] = ()
+    versions: Tuple[VersionLine, ...] = ()
+    changes: Tuple[RunChange, ...] = ()
 
 
 class RunSheet(NamedTuple):
@@ -122,6 +158,8 @@ class RunSheet(NamedTuple):
     outages: Tuple[Outage, ...] = ()  # oldest first
     proposals: Tuple[ProposedMark, ...] = ()  # in the order in which they arrived
     captain: Tuple[CaptainSign, ...] = ()  # oldest first; the last one holds
+    versions: Tuple[VersionLine, ...] = ()  # oldest first
+    changes: Tuple[RunChange, ...] = ()  # oldest first
 
     @property
     def timeline(self) -> RunTimeline:
@@ -129,7 +167,7 @@ class RunSheet(NamedTuple):
         run = self.run
         return RunTimeline(run.identity, run.opened_utc_s, self.history, self.ends, self.entries, self.outages,
                            run.closed_utc_s, run.signed_utc_s, run.signed_by, self.proposals,
-                           self.captain)
+                           self.captain, self.versions, self.changes)
 
 
 class UnsavedParts(NamedTuple):

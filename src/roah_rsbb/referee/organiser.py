@@ -8,6 +8,7 @@ from roah_rsbb.model.actions import ORGANISER, ROLES, UNSIGNED
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.referee import view
 from roah_rsbb.referee.at_once import Exit
+from roah_rsbb.referee.sheets import event_numbered
 from roah_rsbb.referee.state import scheduled_json
 from roah_rsbb.referee.terminal import BY, LEAVING, ZONE, Call, Commands, argument, counted, switch, text, zone
 from roah_rsbb.referee.words import BadWord, pick
@@ -52,12 +53,9 @@ def _schedule(call: Call) -> Exit:
     switch("--unsigned", "leave the zone's run although its score sheet is not signed off"), LEAVING, BY,
 )
 def _choose(call: Call) -> Exit:
-    name, options = call.zone_name, call.options
-    own = sorted((event for event in call.link.box.schedule.values() if event.zone == name), key=lambda one: one.number)
-    if options.event > len(own):
-        raise BadWord(f"zone '{name}' has no event {options.event}: there are 1 to {len(own)} ('schedule' lists them)")
+    options = call.options
+    event = event_numbered(call, call.zone_name, options.event)
     call.check_stopped()
-    event = own[options.event - 1]
     try:
         call.act("choose_event", {"event": event.id, "team": event.team, "unsigned": options.unsigned})
     except Refused as refused:

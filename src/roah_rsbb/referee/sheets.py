@@ -6,7 +6,7 @@ from typing import List, Sequence, Tuple
 from roah_rsbb.ground.arguments import number
 from roah_rsbb.model.actions import BY_THE_FILE_S, ENTRIES
 from roah_rsbb.model.reason import Refused
-from roah_rsbb.model.results import JudgedRun, Judging, RunLine
+from roah_rsbb.model.results import EventSeen, JudgedRun, Judging, RunLine
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import IDLE, SheetItem
 from roah_rsbb.referee import view
@@ -30,7 +30,7 @@ from roah_rsbb.referee.terminal import (
     text,
     zone,
 )
-from roah_rsbb.referee.words import NOT_ATTEMPTED, BadWord, pick_item, value_of
+from roah_rsbb.referee.words import NOT_ATTEMPTED, BadWord, pick, pick_item, value_of
 from roah_rsbb.scoring.publication import MAX_OBJECTION_TIME_S
 from roah_rsbb.wording import judging
 from roah_rsbb.wording.texts import escaped
@@ -73,6 +73,14 @@ def which(call: Call) -> Tuple[str, str]:
     if call.zone.phase == IDLE:
         raise Refused(["No run is connected. For a finished run give its name, such as '--run last' (see 'runs')"])
     return call.zone_name, ""
+
+
+def event_numbered(call: Call, zone_name: str, place: int) -> EventSeen:
+    """Return an event of the schedule by its number in its zone. Raises `BadWord`."""
+    own = sorted((one for one in call.link.box.schedule.values() if one.zone == zone_name), key=lambda one: one.number)
+    if place > len(own):
+        raise BadWord(f"zone '{zone_name}' has no event {place}: there are 1 to {len(own)} ('schedule' lists them)")
+    return own[place - 1]
 
 
 # -- runs and score sheets --------------------------------------------------------------------------
@@ -129,6 +137,33 @@ def _note(call: Call) -> Exit:
               text("--reason", "why; it is kept with the score sheet"), MUST_BY, OF_RUN)
 def _decide(call: Call) -> Exit:
     return _entered(call, "decide")
+
+
+def _put_right(name: str, help_text: str, *examples: str) -> None:
+    """Add the command of an action of the table that only needs a reason."""
+    @COMMANDS.add(name, help_text, [f"'Home A' --run last --reason '{each}' --by Olga" for each in examples], ZONE,
+                  _REASON, MUST_BY, run(""))
+    def _do(call: Call) -> Exit:
+        return _entered(call, name)
+
+
+_REASON = text("--reason", "why; it is kept with the score sheet", required=True)
+_put_right("annul", "let a finished run count nothing, and give its attempt back", "the door was locked")
+_put_right("reopen", "let a signed score sheet be corrected; the next sign-off makes a new version", "protest upheld")
+_put_right("undo", "take back the last of annul, move and reopen of a finished run", "it was the other run")
+
+
+@COMMANDS.add("move", "move a finished run to the right event of its benchmark",
+              ["'Home A' 5 --run last --reason 'it was Beta' --by Olga",
+               "'Home A' 2 --to 'Home B' --run last --reason 'wrong round' --by Olga"], ZONE,
+              argument("event", type=counted, help="number of the event in its zone ('schedule' shows it)"),
+              argument("--to", metavar="ZONE", help="the zone of that event (default: the zone of the run)"),
+              _REASON, MUST_BY, run(""))
+def _move(call: Call) -> Exit:
+    zone, identity = which(call)
+    to = zone if call.options.to is None else pick("zone", call.options.to, sorted(call.link.box.box.zones))
+    call.act("move", {"event": event_numbered(call, to, call.options.event).id, "reason": call.options.reason}, identity)
+    return _shown(call, zone, identity)
 
 
 @COMMANDS.add("withdraw", "withdraw an entry of the history", ["'Home A' 3 --note 'another robot'"], ZONE,
@@ -195,9 +230,6 @@ def _add(name: str, help_text: str, examples: Sequence[str], *arguments: Argumen
     of_run = argument("--run", metavar="RUN", help="a run of the zone: 'last', or a part of its name (default: the one "
                                                    "that is not signed off)")
     return _ACTIONS.add(name, help_text, examples, zone("", nargs or None), of_run, *arguments)
-
-
-_REASON = text("--reason", "why; it is kept with the score sheet", required=True)
 
 
 @_add("list", "show who has submitted, the values side by side, and objections", ["", "Hall", "Hall --run last"],

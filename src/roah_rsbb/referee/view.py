@@ -21,6 +21,7 @@ from roah_rsbb.wording import judging, schedule, sheets, times
 from roah_rsbb.wording.device import role_text
 from roah_rsbb.wording.judging import Judged
 from roah_rsbb.wording.texts import escaped
+from roah_rsbb.wording.timeline import corrections, timeline_line
 from roah_rsbb.wording.times import clock_lines, clock_of
 from roah_rsbb.wording.whole_box import ROBOT_COLUMNS, LinkQuality, robot_rows
 
@@ -251,7 +252,7 @@ def _run_state(run: RunLine, style: Style) -> str:
     if run.corrected:
         parts.append(style(YELLOW, sheets.CORRECTED))
     if run.closed_utc_s is not None:
-        parts.append(sheets.signature(run.signed_utc_s, escaped(run.signed_by), style.moments.stamp))
+        parts.append(sheets.signature(run.signed_utc_s, escaped(run.signed_by), style.moments.stamp, run.versions))
     return ", ".join(parts)
 
 
@@ -273,7 +274,8 @@ def sheet_lines(sheet: RunSheet, style: Style) -> List[str]:
         reason = escaped(sheets.stop_reason(end.reason, end.reason_by, end.who))
         lines.append(f"{_IN}{end.number:4}  {style.moments.stamp(end.utc_s)} {escaped(end.desc)}{who}"
                      + (f": {style(BOLD, reason)}" if reason else ""))
-    return lines
+    corrected = corrections(sheet.timeline, style.moments.stamp)
+    return lines + ["Corrections"] * bool(corrected) + [_IN + escaped(timeline_line(item)) for item in corrected]
 
 
 def judged_lines(run: Optional[RunLine], shown: JudgedRun, utc_s: float, style: Style) -> List[str]:

@@ -105,6 +105,7 @@ def front_of(record: RunRecord, rules: Optional[Rules], title: str, in_utc: bool
     ended = run_state_text(record) + (f", after {taken_text(record)} min" if taken_s(record) is not None else "")
     return Front(
         benchmark_name(record.benchmark, title),
+        "Annulled: it counts nothing" if record.is_annulled else
         "Score sheet" if record.sign_off else "Score sheet, not signed off: may still change",
         (
             ("Team", record.team), ("Round, run", f"{record.round}, {record.run}"),

@@ -152,7 +152,8 @@ def run_state_text(record: RunRecord, counts: str = "") -> str:
 def signature_of(record: RunRecord, in_utc: bool) -> str:
     """Return who signed a run's sheet off, and when."""
     signed = record.sign_off
-    return sheets.signature(signed and signed.utc, signed.who if signed else "", partial(date_time, in_utc=in_utc))
+    return sheets.signature(signed and signed.utc, signed.who if signed else "", partial(date_time, in_utc=in_utc),
+                            len(record.versions))
 
 
 def _record(run: JournalRun, warn: Callable[[str], None]) -> RunRecord:

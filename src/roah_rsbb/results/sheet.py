@@ -3,7 +3,8 @@
 from functools import partial
 from typing import Iterator, List, Optional, Tuple
 
-from roah_rsbb.model.records import ItemRecord, RunRecord, SheetVersion, StopRecord, ratings, submitted
+from roah_rsbb.model.records import ItemRecord, RunRecord, StopRecord, ratings, submitted
+from roah_rsbb.model.results import VersionLine
 from roah_rsbb.results.events import Section, box_states, robot_states, sections
 from roah_rsbb.results.link_report import LinkRows, link_lines, link_plot
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, facts_table, joined, page, table, tag
@@ -21,7 +22,7 @@ from roah_rsbb.results.runs import (
     without_step,
 )
 from roah_rsbb.rulebook.standing_rules import Rules
-from roah_rsbb.scoring.timeline import run_timeline
+from roah_rsbb.scoring.timeline import run_timeline, version_lines
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.sheets import counting_text, scores_by_group
 from roah_rsbb.wording.texts import one_line as line
@@ -74,16 +75,15 @@ def facts(result: RunResult, in_utc: bool) -> List[Tuple[str, str]]:
         ("End", line(run_state_text(record))),
         *([("Counting", counting_text(result.counts))] if result.counts else []),
         ("Sheet", line(signature_of(record, in_utc))),
-        *((f"Version {number}", line(_version(version, in_utc))) for number, version in enumerate(record.versions, 1)),
+        *((f"Version {version.number}", line(_version(version, in_utc))) for version in version_lines(record)),
         ("Run logs", ", ".join(line(r.log_file) for r in result.robots if r.log_file) or NOTHING),
     ]
 
 
-def _version(version: SheetVersion, in_utc: bool) -> str:
+def _version(version: VersionLine, in_utc: bool) -> str:
     """Return an earlier version of a signed sheet, in words."""
-    points = sheets.points_text(version.points) or NOTHING
-    signed = sheets.signature(version.sign_off.utc, version.sign_off.who, _when(in_utc))
-    return f"{points}, {signed}; replaced at {date_time(version.replaced_utc, in_utc)}: {version.why}"
+    found = sheets.version_text(version, _when(in_utc)), version.why, sheets.difference_text(version)
+    return "; ".join(filter(None, found))
 
 
 def _title(record: RunRecord) -> str:

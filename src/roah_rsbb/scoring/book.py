@@ -14,7 +14,10 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Opt
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Refused, say
 from roah_rsbb.model.records import (
+    ANNULLED,
+    MOVED,
     NOT_RUN,
+    REOPENED,
     By,
     CaptainSign,
     EndReason,
@@ -24,10 +27,12 @@ from roah_rsbb.model.records import (
     Outage,
     Proposal,
     PublicationRecord,
+    RunChange,
     RunRecord,
     ScoreEntry,
     SheetVersion,
     SignOff,
+    Slot,
     StopRecord,
     TimelineEntry,
 )
@@ -477,11 +482,58 @@ class FinishedRun:
         before = self.record
         _check_named(by.who)
         text = self._changed(self._book.decide(now, by, number, accept, before.end_reason))
-        if accept and before.sign_off is not None:
-            version = SheetVersion(now.utc, text, before.sign_off, before.items, before.points, before.form)
-            self.record = self.record._replace(
-                sign_off=SignOff(now.utc, by.who), versions=(*before.versions, version))
+        if accept:
+            self.record = _with_version(before, self.record, now.utc, text, SignOff(now.utc, by.who))
         return text
+
+    # -- a wrong run --------------------------------------------------------------------------------
+
+    def annul(self, now: Now, by: By) -> str:
+        """Let the run count nothing, and give its attempt back. Raises `Refused`, as the next ones."""
+        if self.record.is_annulled:
+            raise Refused([say("the run is annulled already")])
+        return self._put_right(now, by, RunChange(now.utc, ANNULLED, by.who, by.reason), "Annulled")
+
+    def move(self, now: Now, by: By, slot: Slot) -> str:
+        """Let the run belong to another event of its benchmark."""
+        change = RunChange(now.utc, MOVED, by.who, by.reason, self.record.slot, slot)
+        return self._put_right(now, by, change, f"Moved to team {slot.team}, {sheets.turn(slot.round, slot.run)}")
+
+    def reopen(self, now: Now, by: By) -> str:
+        """Let the signed sheet be corrected. It stays as a version; the next sign-off makes a new one."""
+        if self.record.sign_off is None:
+            raise Refused([say("the score sheet is not signed off: correct it")])
+        return self._put_right(now, by, RunChange(now.utc, REOPENED, by.who, by.reason), "Reopened")
+
+    def undo(self, now: Now, by: By) -> str:
+        """Take the last of these changes back."""
+        record = self.record
+        place = max((place for place, change in enumerate(record.changes) if _holds(change, record)), default=None)
+        if place is None:
+            raise Refused([say("nothing was annulled, moved or reopened that could be taken back")])
+        change = record.changes[place]
+        undone = change._replace(undone_utc=now.utc, undone_by=by.who, undone_reason=by.reason)
+        signed = record.versions[-1] if change.what == REOPENED else None
+        if signed is not None and (signed.items, signed.points) != (record.items, record.points):
+            raise Refused([say("the score sheet was changed since it was reopened: withdraw the changes, or sign it off "
+                               "again")])
+        text = self._put_right(now, by, undone, f"Not {change.what} any more", place)
+        if signed is not None:
+            self.record = self.record._replace(sign_off=signed.sign_off, versions=record.versions[:-1])
+        return text
+
+    def _put_right(self, now: Now, by: By, change: RunChange, text: str, place: Optional[int] = None) -> str:
+        """Enter a change, or that the one at `place` was taken back. A signed sheet gets a new version, signed by who does it."""
+        _check_named(by.who)
+        if not by.reason:
+            raise Refused([say("enter why: the reason is kept with the score sheet")])
+        before, slot = self.record, change.before if change.undone_utc else change.after
+        changes = list(before.changes) if place is None else [*before.changes[:place], *before.changes[place + 1:]]
+        changes.insert(len(changes) if place is None else place, change)
+        after = before._replace(changes=tuple(changes), **({} if slot is None else slot._asdict()))
+        signed = None if change.what == REOPENED else SignOff(now.utc, by.who)
+        self.record = _with_version(before, after, now.utc, f"{text}: {by.reason}", signed)
+        return f"{text}: {by.reason}"
 
     def note(self, now: Now, who: str, note: Note) -> str:
         """See `RunBook.note`. Raises `Refused`."""
@@ -556,6 +608,25 @@ class FinishedRun:
         return text
 
 
+def _with_version(before: RunRecord, after: RunRecord, utc: float, why: str, signed: Optional[SignOff]) -> RunRecord:
+    """Return a run after a correction. A signed sheet stays as a version, and the new one is signed by who decided it;
+    None: it is open."""
+    if before.sign_off is None:
+        return after
+    version = SheetVersion(utc, why, before.sign_off, before.items, before.points, before.form)
+    return after._replace(sign_off=signed, versions=(*before.versions, version))
+
+
+def _holds(change: RunChange, record: RunRecord) -> bool:
+    """Whether a change can be taken back. A sheet that was reopened and signed again is a new version."""
+    return not change.undone_utc and (change.what != REOPENED or record.sign_off is None)
+
+
+def can_undo(record: RunRecord) -> bool:
+    """Whether a run was annulled, moved or reopened, and that can be taken back."""
+    return any(_holds(change, record) for change in record.changes)
+
+
 def _check_named(who: str) -> None:
     if sheets.person(who) in ("", sheets.NO_NAME):
         raise Refused([say("a sign-off needs the name of the referee: enter it, in the terminal with --by")])
@@ -589,11 +660,7 @@ class Rescored(NamedTuple):
 
     def signed(self, decided: SignOff, why: str) -> RunRecord:
         """Return the run afterwards. A signed sheet stays as a version, and the new one is signed by who decided it."""
-        before = self.before
-        if before.sign_off is None:
-            return self.after
-        version = SheetVersion(decided.utc, why, before.sign_off, before.items, before.points, before.form)
-        return self.after._replace(sign_off=decided, versions=(*before.versions, version))
+        return _with_version(self.before, self.after, decided.utc, why, decided)
 
     def __str__(self) -> str:
         run, points = self.before, (self.before.points, self.after.points)

@@ -142,6 +142,7 @@ class Why(enum.Enum):
     NOT_OVER = "not_over"
     NEVER_STARTED = "never_started"
     ALL_ROBOTS = "all_robots"  # all robots run at once: nobody has a score
+    ANNULLED = "annulled"  # a referee or organiser annulled it: it is no attempt
     EXCLUDED = "excluded"  # whoever makes the standing left it out
     NOT_SIGNED_OFF = "not_signed_off"  # it would count, but here only runs count that are signed off
     NOT_LAST = "not_last"  # a later attempt counts
@@ -192,8 +193,9 @@ AttemptsKey = Tuple[str, str, object]
 
 def is_attempt(record: RunRecord, event: ScheduledEvent) -> bool:
     """Return whether a run that has the event's id is an attempt at the event as it is now: of its team, and of its
-    benchmark. What was run before a change of these keeps counting for the team and benchmark that it was."""
-    return (record.benchmark, record.team) == (event.benchmark.code, event.team)
+    benchmark, and not annulled. What was run before a change of these keeps counting for the team and benchmark that it
+    was."""
+    return not record.is_annulled and (record.benchmark, record.team) == (event.benchmark.code, event.team)
 
 
 def attempts_key(record: RunRecord, event: str = "") -> AttemptsKey:
@@ -284,7 +286,7 @@ def _decided(attempts: List[RunRecord], rules: Rules, event: EventRules, choice:
 
 
 def _result(attempts: Sequence[Ruling]) -> Optional[EventResult]:
-    over = [ruling for ruling in attempts if ruling.record.end_reason]
+    over = [ruling for ruling in attempts if ruling.record.end_reason and ruling.why is not Why.ANNULLED]
     runs = [ruling for ruling in over if ruling.counts] or over[-1:]
     return EventResult(tuple(runs)) if runs else None
 
@@ -344,6 +346,8 @@ def _worth(record: RunRecord, rules: Rules) -> Tuple[object, ...]:
 
 def _why_not(record: RunRecord, choice: RunChoice) -> Optional[Why]:
     """Return why a run cannot count, whatever other attempts there are; None: it can."""
+    if record.is_annulled:
+        return Why.ANNULLED
     if not record.started_utc and record.end_reason not in NOT_RUN_WORDS:
         return Why.NEVER_STARTED if record.closed_utc else Why.NOT_OVER
     if record.team == ALL_TEAMS:

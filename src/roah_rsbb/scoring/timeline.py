@@ -3,7 +3,7 @@
 from typing import Iterable, Tuple
 
 from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreEntry
-from roah_rsbb.model.results import HistoryEntry, ProposedMark, RunEnd, RunTimeline
+from roah_rsbb.model.results import HistoryEntry, ProposedMark, RunEnd, RunTimeline, VersionLine
 from roah_rsbb.model.scoring import ScoreKind
 from roah_rsbb.scoring.tree import is_late
 from roah_rsbb.wording.sheets import history_entry
@@ -26,7 +26,27 @@ def run_timeline(record: RunRecord) -> RunTimeline:
         tuple(RunEnd(number, stop.utc, stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by, stop.clock_s)
               for number, stop in enumerate(record.stops, 1)),
         record.timeline, record.outages, record.closed_utc or None, None if signed is None else signed.utc,
-        "" if signed is None else signed.who, _proposals(record), record.captain)
+        "" if signed is None else signed.who, _proposals(record), record.captain, version_lines(record), record.changes)
+
+
+def version_lines(record: RunRecord) -> Tuple[VersionLine, ...]:
+    """Return the signed sheets of a run that other versions replaced."""
+    found = []
+    for number, version in enumerate(record.versions, 1):
+        after = record.versions[number] if number < len(record.versions) else record
+        then, signed = {item.key: item for item in after.items}, after.sign_off
+        changed = tuple((item, then[item.key]) for item in version.items if item.key in then and _value_of(item)
+                        != _value_of(then[item.key]))
+        by = next((change.undone_by or change.who for change in record.changes
+                   if version.replaced_utc in (change.utc, change.undone_utc)), "" if signed is None else signed.who)
+        found.append(VersionLine(
+            number, version.sign_off.utc, version.sign_off.who, version.replaced_utc, by, version.why,
+            *("" if each.points is None else each.points.total for each in (version, after)), changed))
+    return tuple(found)
+
+
+def _value_of(item: ItemRecord) -> Tuple[object, ...]:
+    return item.value, item.text, item.not_attempted, item.points
 
 
 def _entries(record: RunRecord, entries: Iterable[ScoreEntry]) -> Iterable[HistoryEntry]:

@@ -36,7 +36,7 @@ from roah_rsbb.web.public_documents import FIXED_TEXTS, Data, Store
 from roah_rsbb.wording import judging, public, schedule, sheets, stop, times, todo, whole_box
 from roah_rsbb.wording.language import number, tr, tr_said
 from roah_rsbb.wording.sheets import scores_by_group, with_counting
-from roah_rsbb.wording.timeline import captain_text, page_item, timeline
+from roah_rsbb.wording.timeline import captain_text, corrections, page_item, timeline
 from roah_rsbb.wording.times import Figure, Moments, clock_of, formatted
 from roah_rsbb.wording.whole_box import LinkQuality
 
@@ -58,7 +58,7 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float, absent: Sequence
     that may mark in this zone."""
     event, actions, moments, task = zone.event, zone.actions, Moments(False), todo.todo(zone)
     runs = [run for run in document.runs() if run.zone == zone.zone]
-    waiting = [run for run in runs if run.closed_utc_s is not None and run.signed_utc_s is None]
+    waiting = [run for run in runs if run.is_unsigned]
     # Also older ones that judges score or that are published.
     unsigned = waiting[:MAX_UNSIGNED] + [run for run in waiting[MAX_UNSIGNED:] if run.identity in document.judging]
     judgings = {one.identity: one for one in judging.judgings_of(document, zone.zone)}
@@ -322,7 +322,7 @@ def _open(shown: PartShown) -> List[Data]:
     """Return what waits for somebody: how much, of what, and the part of a zone where it is done."""
     document, zones = shown.document, shown.zones()
     runs = {run.identity: run for run in document.runs() if run.zone in {zone.zone for zone in zones}}
-    unsigned = [run for run in runs.values() if run.closed_utc_s is not None and run.signed_utc_s is None]
+    unsigned = [run for run in runs.values() if run.is_unsigned]
     judgings = [one for one in document.judging.values() if one.identity in runs]
     alone = [zone.zone for zone in zones
              if not any(one.grant.role == REFEREE and one.grant.allows(zone.zone) for one in shown.people)]
@@ -412,6 +412,8 @@ def _robots(shown: PartShown) -> Data:
 def _runs(shown: PartShown) -> Data:
     runs = [run for run in shown.document.runs() if run.zone == shown.zone]
     return {"hidden": max(0, len(runs) - MAX_RUNS), "runs": [_run(run, shown) for run in runs[:MAX_RUNS]],
+            "events": {run.code: [[event.id, f"{schedule.moment_text(event.scheduled_utc_s, True)}  {_event_name(event)}"]
+                                  for event in shown.document.events() if event.code == run.code] for run in runs},
             "standings": _standings(shown.document)}
 
 
@@ -422,8 +424,8 @@ def _look_of(run: RunLine) -> str:
 def _run(run: RunLine, shown: PartShown) -> Data:
     judged = shown.document.judging.get(run.identity)
     unsaved = any(one.identity == run.identity for one in shown.document.box.unsaved)
-    sheet = sheets.signature(run.signed_utc_s, run.signed_by, _MOMENTS.with_zone) if run.signed_utc_s else (
-        sheets.sheet_state(run.closed_utc_s, None))
+    sheet = sheets.signature(run.signed_utc_s, run.signed_by, _MOMENTS.with_zone, run.versions) \
+        if run.signed_utc_s or run.versions else sheets.sheet_state(run.closed_utc_s, None)
     return {
         "identity": run.identity, "revision": run.revision,
         "title": _timed_name(run, _MOMENTS, shown.now.utc), "look": _look_of(run),
@@ -431,7 +433,10 @@ def _run(run: RunLine, shown: PartShown) -> Data:
         "score": tr_said(run.score), "sheet": "; ".join([*([f"⚠ {tr(sheets.NOT_SAVED)}"] if unsaved else []),
                             *([tr(sheets.CORRECTED)] if run.corrected else []), sheet]),
         "is_closed": run.closed_utc_s is not None, "is_signed": run.signed_utc_s is not None,
-        "is_judged": judged is not None and judged.count > 0,
+        "is_judged": judged is not None and judged.count > 0, "code": run.code,
+        "put_right": [name for name, is_on in (
+            ("annul", not run.is_annulled), ("move", True), ("reopen", run.signed_utc_s is not None),
+            ("undo", run.can_undo)) if is_on and run.closed_utc_s is not None],
     }
 
 
@@ -451,6 +456,7 @@ def whole_sheet_page(sheet: RunSheet) -> Data:
         "captain": [{"text": captain_text(sign, _MOMENTS.time_of_day), "comment": sign.comment, "drawing": sign.drawing,
                      "refused": sign.refused} for sign in sheet.captain[-1:]],
         "proposals": [each.number for each in sheet.proposals if each.decided_utc_s is None],
+        "corrections": [page_item(item) for item in corrections(sheet.timeline, _MOMENTS.time_of_day)],
         "timeline": [page_item(item) for item in timeline(sheet.timeline, _MOMENTS.time_of_day)],
         "ends": [
             {"number": end.number, "is_stop": end.end_reason != "completed",
@@ -525,7 +531,7 @@ PARTS: Dict[str, _Part] = {
     ROBOTS: _Part(lambda shown: shown.second, _robots),
     RUNS: _Part(lambda shown: (
         shown.document.results, shown.document.judging, shown.document.box.unsaved, shown.document.public.standings,
-        _day(shown)), _runs),
+        shown.document.schedule, _day(shown)), _runs),
     LOG: _Part(lambda shown: shown.second, _log),
     BOX: _Part(lambda shown: shown.second, _box),
 }

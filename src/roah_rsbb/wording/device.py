@@ -169,6 +169,8 @@ def page_words() -> Dict[str, Any]:
             not_kept="This browser keeps nothing: leave the page open until the box has it",
             not_on_disks="NOT CONFIRMED: {mark}. The box has it, but it is not on all disks yet",
             refused="Refused: {what}: {reasons}", undo="Undo: {mark}", nothing_to_undo="Undo",
+            put_right="Put the run right", move_to="Event",
+            **{f"{name}_run": ENTRIES[name].label for name in ("annul", "move", "reopen", "undo")},
             stop_reason=ACTIONS["stop"].fields[0].label, save="Save", saved="Saved",
             unsigned="Score sheets to sign off", sign_off="Sign off", correct="Correct",
             ratings_of="Ratings of {judge}",

@@ -91,7 +91,7 @@ def judgings_of(document: Document, zone: str) -> List[Judging]:
     found = [one for one in document.judging.values() if one.zone == zone]
     known = {one.identity for one in found}
     return found + [Judging(zone, run.identity) for run in document.runs() if run.zone == zone
-                    and run.closed_utc_s is not None and run.signed_utc_s is None and run.identity not in known]
+                    and run.is_unsigned and run.identity not in known]
 
 
 def off(judging: Judging, is_over: bool) -> Dict[str, str]:

@@ -11,7 +11,7 @@ from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Se
 
 from roah_rsbb.model.reason import joined, say
 from roah_rsbb.model.records import ItemRecord, Outage, ScoreEntry, SheetPoints, grouped
-from roah_rsbb.model.results import HistoryEntry
+from roah_rsbb.model.results import HistoryEntry, VersionLine
 from roah_rsbb.model.scoring import INCIDENTS
 from roah_rsbb.model.zone import SheetItem
 from roah_rsbb.wording.language import number, tr, tr_later, tr_said
@@ -314,13 +314,33 @@ def sheet_state(closed: object, signed: object) -> str:
     return tr(NOT_SIGNED_OFF) if closed else tr(OPEN)
 
 
-def signature(signed_utc_s: Optional[float], signed_by: str, when: When) -> str:
-    """Return who signed a score sheet off, and when."""
+def signature(signed_utc_s: Optional[float], signed_by: str, when: When, versions: int = 0) -> str:
+    """Return who signed a score sheet off, and when. `versions`: earlier signed ones."""
     if not signed_utc_s:
-        return tr(NOT_SIGNED_OFF)
+        return tr("reopened, not signed off again yet") if versions else tr(NOT_SIGNED_OFF)
+    if versions:
+        return tr("corrected at {time} by {name} (version {number})", time=when(signed_utc_s), name=person(signed_by),
+                  number=versions + 1)
     if not signed_by:
         return tr("signed off at {time}", time=when(signed_utc_s))
     return tr("signed off by {name} at {time}", name=person(signed_by), time=when(signed_utc_s))
+
+
+def version_text(version: VersionLine, when: When) -> str:
+    """Return an earlier version of a signed sheet, and since when it does not hold."""
+    points = f"{number(version.points)}, " if version.points else ""
+    return points + tr("{signed}; replaced at {time} by {name}: what was printed or published in between has it",
+                       signed=signature(version.signed_utc_s, version.signed_by, when),
+                       time=when(version.replaced_utc_s), name=person(version.replaced_by))
+
+
+def difference_text(version: VersionLine) -> str:
+    """Return how the version after it differs, such as "Total: 180, now 150; Balance: 3, now 4"; empty: in nothing."""
+    found = [(tr("Total"), number(version.points), number(version.then_points))] \
+        if version.points != version.then_points else []
+    found += [(before.desc, in_words(before), in_words(after)) for before, after in version.changed]
+    return "; ".join(tr("{what}: {before}, now {after}", what=what, before=before or NOTHING, after=after or NOTHING)
+                     for what, before, after in found)
 
 
 # -- history ----------------------------------------------------------------------------------------
@@ -434,6 +454,7 @@ _TEXTS = {
     "not_over": tr_later("is not over"),
     "never_started": tr_later("does not count: never started"),
     "all_robots": tr_later("no score: all robots at once"),
+    "annulled": tr_later("does not count: annulled"),
     "excluded": tr_later("does not count: excluded"),
     "not_signed_off": tr_later("does not count: not signed off"),
     "not_last": tr_later("does not count: a later attempt counts"),

@@ -5,7 +5,7 @@ Every face shows these items and words none itself.
 
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional
 
-from roah_rsbb.model.records import CaptainSign, TimelineEntry
+from roah_rsbb.model.records import ANNULLED, REOPENED, CaptainSign, RunChange, Slot, TimelineEntry
 from roah_rsbb.model.results import HistoryEntry, ProposedMark, RunEnd, RunTimeline
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import number, tr, tr_later, tr_said
@@ -16,13 +16,14 @@ from roah_rsbb.wording.times import clock_time
 MARK, STOP, END, RESTART = "mark", "stop", "end", "restart"
 CONNECT, DISCONNECT, SIGN_OFF, OUTAGE = "connect", "disconnect", "sign_off", "outage"
 NOTE, START, PHASE, GOAL, PAUSE, PROPOSAL = "note", "start", "phase", "goal", "pause", "proposal"
-CAPTAIN = "captain"
+CAPTAIN, VERSION, CHANGE = "captain", "version", "change"
 _TITLES = {
     CONNECT: tr_later("Connected"), START: tr_later("Started"), RESTART: tr_later("Started again"),
     "continue": tr_later("Continued"), PAUSE: tr_later("Clock paused"), "resume": tr_later("Clock resumed"),
     GOAL: tr_later("Goal"), DISCONNECT: tr_later("Disconnected"),
     SIGN_OFF: tr_later("Signed off"),
 }
+_CHANGES = {ANNULLED: tr_later("Annulled: it counts nothing"), REOPENED: tr_later("Score sheet reopened")}
 PROPOSED = tr_later("It was made before the sign-off and arrived after it: accept or drop it")
 NO_TEXT = tr_later("A moment to remember: no text yet")
 
@@ -58,6 +59,11 @@ def timeline(run: RunTimeline, when: When) -> List[TimelineItem]:
     return sorted(found, key=lambda item: item.utc_s)[::-1]
 
 
+def corrections(run: RunTimeline, when: When) -> List[TimelineItem]:
+    """Return how a run was put right, and which signed sheets were replaced, the latest first."""
+    return [item for item in timeline(run, when) if item.kind in (CHANGE, VERSION)]
+
+
 def _after(run: RunTimeline, when: When) -> Iterator[TimelineItem]:
     for place, outage in enumerate(run.outages, 1):
         yield _plain(OUTAGE, place, outage.utc, when)._replace(text=tr_said(sheets.outage_text(outage)))
@@ -67,8 +73,32 @@ def _after(run: RunTimeline, when: When) -> Iterator[TimelineItem]:
         yield _plain(CAPTAIN, place, sign.utc, when)._replace(
             text=captain_text(sign, when), note=sign.comment, who=sheets.person(sign.who),
             state="refused" if sign.refused else "")
+    for version in run.versions:
+        yield _plain(SIGN_OFF, version.number, version.signed_utc_s, when)._replace(who=sheets.person(version.signed_by))
+    for place, change in enumerate(run.changes, 1):
+        yield _changed_run(change, place, when)
+    for version in run.versions:
+        yield _plain(VERSION, version.number, version.replaced_utc_s, when)._replace(
+            text=tr("Version {number} of the sheet: {text}", number=version.number,
+                    text=sheets.version_text(version, when)),
+            said=sheets.difference_text(version), who=sheets.person(version.replaced_by), note=version.why)
     if run.signed_utc_s is not None:
         yield _plain(SIGN_OFF, 0, run.signed_utc_s, when)._replace(who=sheets.person(run.signed_by))
+
+
+def _changed_run(change: RunChange, place: int, when: When) -> TimelineItem:
+    """Return that a run was annulled, moved or reopened, and whether that was taken back."""
+    text, before, after = tr(_CHANGES.get(change.what, change.what)), change.before, change.after
+    if before is not None and after is not None:
+        text = tr("Moved: {before}, now {after}", before=_slot(before), after=_slot(after))
+    said = tr("taken back by {name} at {time}: {reason}", name=sheets.person(change.undone_by),
+              time=when(change.undone_utc), reason=change.undone_reason) if change.undone_utc else ""
+    return _plain(CHANGE, place, change.utc, when)._replace(
+        text=text, who=sheets.person(change.who), note=change.reason, said=said, state="withdrawn" if said else "")
+
+
+def _slot(slot: Slot) -> str:
+    return tr("team {team}, {turn}", team=slot.team, turn=sheets.turn(slot.round, slot.run))
 
 
 def _plain(kind: str, number_: int, utc_s: float, when: When, clock_s: Optional[float] = None) -> TimelineItem:

@@ -186,6 +186,11 @@ class Entries:
             "decide": _Entry(
                 lambda now, run, who, given: scores.decide(
                     now, run, given["number"], given["accept"], given["reason"], who)),
+            "annul": _Entry(lambda now, run, who, given: scores.annul(now, run, By(who, given["reason"]))),
+            "move": _Entry(
+                lambda now, run, who, given: scores.move(now, run, given["event"], By(who, given["reason"]))),
+            "reopen": _Entry(lambda now, run, who, given: scores.reopen(now, run, By(who, given["reason"]))),
+            "undo": _Entry(lambda now, run, who, given: scores.undo(now, run, By(who, given["reason"]))),
             "stop_reason": _Entry(
                 lambda now, run, who, given: scores.give_stop_reason(now, run, given["reason"], who, given["stop"])),
             "sign_off": _Entry(lambda now, run, who, given: scores.sign_off(now, run, who)),

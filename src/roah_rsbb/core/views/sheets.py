@@ -26,6 +26,7 @@ from roah_rsbb.model.results import (
 from roah_rsbb.model.rules import Number
 from roah_rsbb.model.scoring import INCIDENTS, Key, ScoringItem, SheetForm
 from roah_rsbb.model.zone import SheetItem
+from roah_rsbb.scoring.book import can_undo
 from roah_rsbb.scoring.counting import Why
 from roah_rsbb.scoring.judges import ItemVerdict
 from roah_rsbb.scoring.points import text_of
@@ -104,7 +105,7 @@ def run_line(record: RunRecord, why: Optional[Why]) -> RunLine:
         record.opened_utc, record.started_utc or None, record.closed_utc or None, record.end_reason,
         sums_of_record(record), any(item.corrected for item in record.items), None if signed is None else signed.utc,
         "" if signed is None else signed.who, "" if why is None else why.value,
-        sum(not each.decided_utc for each in record.proposals),
+        sum(not each.decided_utc for each in record.proposals), len(record.versions), can_undo(record),
     )
 
 
@@ -114,7 +115,7 @@ def run_sheet(record: RunRecord, why: Optional[Why]) -> RunSheet:
     return RunSheet(
         run_line(record, why), tuple(record.robots), record.elapsed_s, _given_items(record),
         happened.history, happened.ends, record.module_scores, record.points, happened.entries, happened.outages,
-        happened.proposals, happened.captain,
+        happened.proposals, happened.captain, happened.versions, happened.changes,
     )
 
 
