@@ -162,7 +162,8 @@ _put_right("undo", "take back the last of annul, move and reopen of a finished r
 def _move(call: Call) -> Exit:
     zone, identity = which(call)
     to = zone if call.options.to is None else pick("zone", call.options.to, sorted(call.link.box.box.zones))
-    call.act("move", {"event": event_numbered(call, to, call.options.event).id, "reason": call.options.reason}, identity)
+    event = event_numbered(call, to, call.options.event)
+    call.act("move", {"event": event.id, "reason": call.options.reason}, identity)
     return _shown(call, zone, identity)
 
 

@@ -515,15 +515,16 @@ class FinishedRun:
         undone = change._replace(undone_utc=now.utc, undone_by=by.who, undone_reason=by.reason)
         signed = record.versions[-1] if change.what == REOPENED else None
         if signed is not None and (signed.items, signed.points) != (record.items, record.points):
-            raise Refused([say("the score sheet was changed since it was reopened: withdraw the changes, or sign it off "
-                               "again")])
+            raise Refused([say("the score sheet was changed since it was reopened: withdraw the changes, or sign it "
+                               "off again")])
         text = self._put_right(now, by, undone, f"Not {change.what} any more", place)
         if signed is not None:
             self.record = self.record._replace(sign_off=signed.sign_off, versions=record.versions[:-1])
         return text
 
     def _put_right(self, now: Now, by: By, change: RunChange, text: str, place: Optional[int] = None) -> str:
-        """Enter a change, or that the one at `place` was taken back. A signed sheet gets a new version, signed by who does it."""
+        """Enter a change, or that the one at `place` was taken back. A signed sheet gets a new version, signed by who
+        does it."""
         _check_named(by.who)
         if not by.reason:
             raise Refused([say("enter why: the reason is kept with the score sheet")])
@@ -608,7 +609,9 @@ class FinishedRun:
         return text
 
 
-def _with_version(before: RunRecord, after: RunRecord, utc: float, why: str, signed: Optional[SignOff]) -> RunRecord:
+def _with_version(
+    before: RunRecord, after: RunRecord, utc: float, why: str, signed: Optional[SignOff]
+) -> RunRecord:
     """Return a run after a correction. A signed sheet stays as a version, and the new one is signed by who decided it;
     None: it is open."""
     if before.sign_off is None:

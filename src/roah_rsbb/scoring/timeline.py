@@ -39,9 +39,9 @@ def version_lines(record: RunRecord) -> Tuple[VersionLine, ...]:
                         != _value_of(then[item.key]))
         by = next((change.undone_by or change.who for change in record.changes
                    if version.replaced_utc in (change.utc, change.undone_utc)), "" if signed is None else signed.who)
-        found.append(VersionLine(
-            number, version.sign_off.utc, version.sign_off.who, version.replaced_utc, by, version.why,
-            *("" if each.points is None else each.points.total for each in (version, after)), changed))
+        points, later = ("" if each.points is None else each.points.total for each in (version, after))
+        found.append(VersionLine(number, version.sign_off.utc, version.sign_off.who, version.replaced_utc, by,
+                                 version.why, points, later, changed))
     return tuple(found)
 
 

@@ -412,8 +412,9 @@ def _robots(shown: PartShown) -> Data:
 def _runs(shown: PartShown) -> Data:
     runs = [run for run in shown.document.runs() if run.zone == shown.zone]
     return {"hidden": max(0, len(runs) - MAX_RUNS), "runs": [_run(run, shown) for run in runs[:MAX_RUNS]],
-            "events": {run.code: [[event.id, f"{schedule.moment_text(event.scheduled_utc_s, True)}  {_event_name(event)}"]
-                                  for event in shown.document.events() if event.code == run.code] for run in runs},
+            "events": {run.code: [
+                [event.id, f"{schedule.moment_text(event.scheduled_utc_s, True)}  {_event_name(event)}"]
+                for event in shown.document.events() if event.code == run.code] for run in runs},
             "standings": _standings(shown.document)}
 
 

@@ -74,7 +74,8 @@ def _after(run: RunTimeline, when: When) -> Iterator[TimelineItem]:
             text=captain_text(sign, when), note=sign.comment, who=sheets.person(sign.who),
             state="refused" if sign.refused else "")
     for version in run.versions:
-        yield _plain(SIGN_OFF, version.number, version.signed_utc_s, when)._replace(who=sheets.person(version.signed_by))
+        yield _plain(SIGN_OFF, version.number, version.signed_utc_s, when)._replace(
+            who=sheets.person(version.signed_by))
     for place, change in enumerate(run.changes, 1):
         yield _changed_run(change, place, when)
     for version in run.versions:

@@ -203,6 +203,7 @@ def test_each_text_of_a_record_is_hidden_or_of_the_rulebook():
                              if type_ in (str, typing.Tuple[str, ...]) and name not in HIDDEN.get(kind, {})}
              for kind in kinds - {all_records.By} | {RobotPart, LinkSample}}
     assert {name: fields for name, fields in shown.items() if fields} == {
+        "RunChange": {"what"}, "Slot": {"event"},
         "RunRecord": {"identity", "zone", "benchmark", "end_reason", "event"},
         "ItemRecord": {"group", "desc", "kind", "text", "points", "unit"}, "Rating": {"text"},
         "ScoreEntry": {"group", "desc", "old_text", "text", "added", "role", "points"},
