@@ -60,12 +60,12 @@ def course_of(
         item_id = id_of(row)
         before = standing.get(item_id, Fraction(0))
         after = _number(entry, row, before)
-        # What takes something away corrects a mark: it is never too late.
-        in_time = entry.in_time or _takes_away(row, before, after)
-        is_late = sheet.limit_s is not None and at_s is not None and at_s > sheet.limit_s and not in_time
+        corrects = _takes_away(row, before, after)
+        is_late = sheet.limit_s is not None and at_s is not None and at_s > sheet.limit_s and not (
+            entry.in_time or corrects)
         if entry.number not in void and not is_late:
             standing[item_id] = max(Fraction(0), after) if row.kind is ScoreKind.UINT else after
-        marks += [(mark._replace(at_s=at_s, in_time=in_time, order=order), entry.number)
+        marks += [(mark._replace(at_s=at_s, in_time=entry.in_time, corrects=corrects, order=order), entry.number)
                   for mark in _marks(kinds[item_id], entry, before, after)]
     return History(Course(
         tuple(mark for mark, _ in marks), tuple(each for found in incidents.values() for each in found), True),

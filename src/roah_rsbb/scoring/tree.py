@@ -56,6 +56,7 @@ class SheetMark(NamedTuple):
     sets: bool = False  # it replaces the marks before instead of adding to them
     at_s: Optional[Fraction] = None  # seconds since the start; None: not known, after everything
     in_time: bool = False  # the referee said so: it is not late
+    corrects: bool = False  # it takes something away: it is never too late
     refused: str = ""  # why it must not count
     name: str = ""  # what a row that was made at the event is called
     order: int = 0  # what has the same time came in this order
@@ -154,7 +155,7 @@ class _Run:
 
     def left(self, void: Mapping[int, str]) -> List[SheetMark]:
         """Return the marks that are not void, in the order in which they were made."""
-        return sorted((mark for index, mark in enumerate(self._marks) if index not in void), key=_when)
+        return sorted((mark for index, mark in enumerate(self._marks) if index not in void), key=_made)
 
     def _drop_late(self) -> None:
         limit = None if self.sheet.limit_s is None else Fraction(self.sheet.limit_s)
@@ -162,7 +163,7 @@ class _Run:
             at_s = self._counted(mark.at_s)
             if mark.refused:
                 self._drop(index, REFUSED(item=self._name(mark), time=_at(at_s), why=mark.refused))
-            elif limit is not None and at_s is not None and at_s > limit and not mark.in_time:
+            elif limit is not None and at_s is not None and at_s > limit and not (mark.in_time or mark.corrects):
                 self._drop(index, LATE(item=self._name(mark), time=_clock(at_s), limit=_clock(limit)))
 
     def _drop(self, index: int, why: str) -> None:
@@ -306,7 +307,7 @@ class _Run:
                  and (happened.at_s is None or (mark.at_s is not None and _moment(mark) <= _moment(happened)))]
         sheet = self.sheet if net else replace(self.sheet, items=tuple(map(_without_penalty, self.sheet.items)))
         # What the end gives, the time that was left, comes later than any incident.
-        return _Tree(sheet, sorted(marks, key=_when), {}, self.course._replace(ended=False)).total()
+        return _Tree(sheet, sorted(marks, key=_made), {}, self.course._replace(ended=False)).total()
 
     def _is_hit(self, rule: Incident, mark: SheetMark, happened: Happened, until: Happened) -> bool:
         """Whether an incident makes a mark void."""
@@ -315,7 +316,7 @@ class _Run:
         if happened.at_s is None or mark.at_s is None:
             return False
         if rule.voids is Voids.LATER:
-            return mark.at_s > happened.at_s
+            return mark.at_s > happened.at_s and not mark.corrects
         if rule.voids is Voids.EARLIER_POINTS and self._costs(mark):
             return False
         return rule.voids in (Voids.EARLIER, Voids.EARLIER_POINTS) and _moment(mark) <= _moment(until)
@@ -328,10 +329,17 @@ class _Run:
         return _worth(item, mark) < 0
 
     def _scored_after(self, happened: Happened) -> bool:
-        """Whether points were scored after an incident."""
-        return happened.at_s is not None and any(
-            (mark.at_s is None or _moment(mark) > _moment(happened)) and index not in self._void
-            and _worth(self._items[mark.item], mark) > 0 for index, mark in enumerate(self._marks))
+        """Whether points were scored after an incident: a row gives more than it did then, or than what was taken away
+        since has left."""
+        worth: Dict[str, Fraction] = {}
+        least: Dict[str, Fraction] = {}  # since the incident, or at it
+        for mark in self.left(self._void):
+            item = self._items[mark.item]
+            before = ZERO if mark.sets or item.amount in (Measure.YES, Measure.CHOICE) else worth.get(item.id, ZERO)
+            now = ZERO if _is_penalty(item) else max(ZERO, before + _worth(item, mark))
+            is_after = mark.at_s is None or _moment(mark) > _moment(happened)
+            worth[item.id], least[item.id] = now, min(least.get(item.id, ZERO), now) if is_after else now
+        return happened.at_s is not None and any(now > least[item] for item, now in worth.items())
 
 
 def _moment(each: object) -> Tuple[Fraction, int]:
@@ -342,6 +350,11 @@ def _moment(each: object) -> Tuple[Fraction, int]:
 def _when(each: object) -> Tuple[bool, Tuple[Fraction, int]]:
     """Order by time; what has none comes last."""
     return each.at_s is None, _moment(each)  # type: ignore[attr-defined]
+
+
+def _made(mark: SheetMark) -> Tuple[int, Tuple[bool, Tuple[Fraction, int]]]:
+    """Order marks as a history has them, whose clock may have gone back; else by time."""
+    return mark.order, _when(mark)
 
 
 def _number_of(fact: object) -> Optional[Fraction]:

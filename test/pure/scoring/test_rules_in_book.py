@@ -98,13 +98,56 @@ def test_what_corrects_a_count_belongs_to_its_row(voids, below, total):
     assert book.incident(9, "restart").total() == total
 
 
+REMOVED = replace(SHEET, incidents=(Incident("removed", voids=Voids.LATER),))
+
+
 def test_nobody_takes_away_more_than_there_is():
-    removed = Incident("removed", voids=Voids.LATER)
-    book = Book(replace(SHEET, incidents=(removed,))).at(1, "Drops an object", added="1").incident(2, "removed")
-    book.at(3, "Drops an object", 0).at(5, "Drops an object", added="-1")  # both are void
-    book.withdraw(2)
+    book = Book().end(420).at(425, "Drops an object", added="1")
+    book.book.say_in_time("Ben", 1, True)
+    book.at(430, "Drops an object", added="-1").book.say_in_time("Ben", 1, False)
     assert (book.value("Drops an object"), book.total()) == (0, "0")
-    assert book.at(7, "Finds an object", added="1").total() == "10"
+    book.at(435, "Drops an object", added="1").book.say_in_time("Ben", 3, True)
+    assert (book.value("Drops an object"), book.total()) == (1, "0")
+    assert book.at(440, "Drops an object", added="-1").total() == "0"
+
+
+def test_what_takes_something_away_corrects_a_mark_before_an_incident():
+    book = Book(REMOVED).at(1, "Finds an object", added="3").incident(2, "removed").at(3, "Finds an object", added="1")
+    assert (book.total(), book.value("Finds an object")) == ("30", 3)
+    assert book.at(5, "Finds an object", added="-1").total() == "20"
+    assert book.at(7, "Finds an object", 1).total() == "10"
+    assert [bool(entry.void) for entry in book.book.sheet.history] == [False, False, True, False, False]
+
+
+@pytest.mark.parametrize("after, total", [
+    ([{"added": "1"}, {"added": "-1"}], "20"), ([{"value": 3}, {"value": 2}], "20"), ([{"added": "-1"}], "10"),
+    ([{"added": "-1"}, {"added": "1"}], "-480"), ([{"added": "1"}], "-470"),
+])
+def test_what_was_corrected_was_not_scored_after_an_incident(after, total):
+    costs = replace(SHEET, incidents=(Incident("restart", marks="away", scored_after=True),))
+    book = Book(costs).at(20, "Finds an object", added="2").at(25, "Drops an object", added="1").incident(30, "restart")
+    book.withdraw(2)
+    for clock_s, mark in enumerate(after):
+        book.at(40 + 2 * clock_s, "Finds an object", **mark)
+    assert book.total() == total
+
+
+def test_a_penalty_that_was_taken_back_after_an_incident_is_no_point():
+    costs = replace(SHEET, incidents=(Incident("restart", marks="away", scored_after=True),))
+    book = Book(costs).at(20, "Finds an object", added="5").at(25, "Drops an object", added="1").incident(30, "restart")
+    assert book.at(40, "Drops an object", added="-1").total() == "50"
+
+
+@pytest.mark.parametrize("restarted", [False, True])
+def test_a_history_whose_clock_goes_back_counts_in_its_order(restarted):
+    """The time of day was set back after the end, or the run began again."""
+    book = Book().at(100, "Finds an object", 1).end(420).at(430, "Finds an object", 5)
+    book.book.say_in_time("Ben", 2, True)
+    now = book.now._replace(mono=book.now.mono + 5, utc=book.now.utc - 8)
+    book.book.mark(now, "Anna", Mark(TABLE, "Finds an object", 3), 5.0 if restarted else None)
+    if not restarted:
+        book.book.say_in_time("Ben", 3, True)
+    assert (book.value("Finds an object"), book.total()) == (3, "30")
 
 
 def test_a_restart_that_comes_too_late_has_no_effect():

@@ -156,13 +156,25 @@ def plain_total(sheet, course):
     live = [] if lost else live
     if rules["restart"].marks and restarts_at:  # each costs something if points that count were scored after it
         items = {item.id: item for item in sheet.items}
-        scored = [mark for mark in live if value(items[mark.item], mark) > 0]
-        shown["restarted"] = sum(any(mark.at_s is None or mark.at_s > at for mark in scored) for at in restarts_at)
+        shown["restarted"] = sum(any(scored_after(item, live, at) for item in items.values()) for at in restarts_at)
     return plain_points(sheet, live, shown, refused)
 
 
 def so_far(sheet, live, net, refused):
     return plain_points(sheet, live, {}, refused) if net else gross(sheet, live, refused)
+
+
+def scored_after(item, live, at):
+    """Whether a row that gives points gives more at the end than at some moment since."""
+    own = [mark for mark in live if mark.item == item.id]
+    if (item.points or item.percent or 0) < 0:
+        return False
+    worths, now = [Fraction(0)], Fraction(0)
+    for mark in own:
+        is_one = item.amount in (Measure.YES, Measure.CHOICE)
+        now = max(Fraction(0), Fraction(value(item, mark)) * mark.share + (0 if is_one else now))
+        worths = [*worths, now] if mark.at_s is None or mark.at_s > at else [now]
+    return now > min(worths)
 
 
 def voids(rules, sheet, mark):

@@ -139,15 +139,17 @@ class Plain:
         kept = self._entries[place]
         before = self._values().get(kept.key, 0)
         is_late = self._limit is not None and at > self._limit and not kept.is_in_time
-        if self._removed is not None and at > self._removed:
+        if self._is_less(kept.key, before, after(before, kept)):
+            self._live.append(place)
+        elif self._removed is not None and at > self._removed:
             self._void.add(place)
-        elif is_late and not self._is_less(kept.key, before, after(before, kept)):
+        elif is_late:
             self._late.add(place)
         else:
             self._live.append(place)
 
     def _is_less(self, key, before, now):
-        """Whether something is taken away, which is never late."""
+        """Whether something is taken away: that corrects a mark, and is never too late."""
         choices = self._item_of[key].choices
         if not choices or not now:
             return now <= before
