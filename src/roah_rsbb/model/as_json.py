@@ -258,9 +258,9 @@ def _of_fields(cls: Any) -> Notation:
         if not parts:
             compile_fields()
         values, name = {}, ""
-        _expected(data, dict)
+        data = _expected(data if upgraded is None else _made(upgraded, data), dict)
         try:
-            for name, found in (data if upgraded is None else _made(upgraded, data)).items():
+            for name, found in data.items():
                 part = parts.get(name)
                 if part is not None:
                     values[name] = found if found.__class__ is part.plain else part.read(found, shift)

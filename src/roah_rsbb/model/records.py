@@ -4,7 +4,7 @@ The core updates it with every change, and the journal keeps it. Results and exp
 """
 
 import enum
-from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple
 
 from roah_rsbb.model.reason import Said, say
 from roah_rsbb.model.scoring import Key, SheetForm
@@ -113,6 +113,22 @@ class ScoreEntry(NamedTuple):
     void: Said = ""  # why it does not count although nobody withdrew it; empty: it counts
     points: str = ""  # a decimal number: by how much it changed the sheet's total when it was made; empty: by nothing
     arrived_utc: float = 0.0  # UTC seconds, if it had waited for a link to the box; 0.0: at once
+
+
+class TakenMarks(NamedTuple):
+    """The newest marks of a sheet that have an identity: each is applied once, however often it arrives."""
+
+    entries: Mapping[str, int] = {}  # identity -> number of its entry; 0: it made none
+    last: int = 0  # the highest number that an entry had: it is not used again
+
+    @staticmethod
+    def upgraded(saved: Any) -> Any:
+        """Return what was saved before 2026-12: a line for each mark, and one without identity for the last number."""
+        if not isinstance(saved, str):
+            return saved
+        numbers = {mark: int(number) for number, _, mark in (line.partition(" ") for line in saved.splitlines())}
+        return {"entries": {mark: number for mark, number in numbers.items() if mark},
+                "last": max(numbers.values(), default=0)}
 
 
 class TimelineEntry(NamedTuple):
@@ -228,7 +244,7 @@ class JudgeSheet(NamedTuple):
     opened_utc: float  # UTC seconds
     device: str = ""  # from which it was sent last; empty: not known
     history: Tuple[ScoreEntry, ...] = ()
-    marks: str = ""  # the newest ones that have an identity, see `SheetState`
+    marks: TakenMarks = TakenMarks()
     submitted_utc: float = 0.0  # UTC seconds; 0.0: not submitted
     items: Tuple[ItemRecord, ...] = ()  # as they were submitted
     again: str = ""  # why the judge should look again; empty: not handed back
@@ -368,7 +384,7 @@ class RunRecord(NamedTuple):
     phases: Tuple[PhaseTime, ...] = ()  # those that began after the last start
     points: Optional[SheetPoints] = None  # None: the sheet gives no points
     form: Optional[SheetForm] = None  # None: the sheet only has items without rules
-    marks: str = ""  # the newest ones that have an identity, see `SheetState`
+    marks: TakenMarks = TakenMarks()
     judging: JudgingRecord = JudgingRecord()
     publication: PublicationRecord = PublicationRecord()
     event: str = ""  # id of its event in the schedule; empty in journals before 2026-12

@@ -216,20 +216,26 @@ _KINDS = {
 def rows(sheet: Sheet) -> Tuple[ScoringItem, ...]:
     """Return what referees mark on a sheet: its items, by the section in which they are, and its incidents.
 
-    Items of one name in one section get a number: referees must see which is which.
+    An item that an incident marks is not among them, and the incident has its points. Items of one name in one section
+    get a number: referees must see which is which.
     """
+    incidents, items = marked_incidents(sheet), {item.id: item for item in sheet.items}
+    marking = [incident.marks for incident in incidents if incident.marks]
     keys: Dict[str, Key] = {}  # by the ids of the items
     sections: Dict[str, str] = {}  # id of an item -> name of the section in which it is
     seen: Dict[Key, int] = {}
     for item in sheet.items:
         sections[item.id] = item.name if item.amount is Measure.SECTION else sections.get(item.under, NO_SECTION)
-        if item.amount in _KINDS:
+        if item.amount in _KINDS and item.id not in marking:
             key = sections[item.id], item.name
             seen[key] = seen.get(key, 0) + 1
             keys[item.id] = key if seen[key] == 1 else (key[0], f"{item.name} ({seen[key]})")
     found = [_row(item, keys) for item in sheet.items if item.id in keys]
-    found += [ScoringItem(INCIDENTS, incident.title, ScoreKind.UINT, id=incident.name)
-              for incident in marked_incidents(sheet)]
+    for incident in incidents:
+        row = ScoringItem(INCIDENTS, incident.title, ScoreKind.UINT, id=incident.name)
+        if marking.count(incident.marks) == 1:  # else nobody can say which of several incidents gave the points
+            row = replace(row, points=items[incident.marks].points, percent=items[incident.marks].percent)
+        found.append(row)
     return tuple(found)
 
 

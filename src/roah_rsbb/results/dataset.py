@@ -122,7 +122,7 @@ def _module_value(names: Names, text: str) -> str:
 # journal's entries.
 HIDDEN: Dict[type, Dict[str, Callable[[Names, Any], Any]]] = {
     RunResult: {"entries": lambda _, entries: entries},
-    RunRecord: {"team": _team, "robots": _robots, "marks": _nothing},
+    RunRecord: {"team": _team, "robots": _robots, "marks": lambda _, marks: marks._replace(entries={})},
     ScoreEntry: {
         "who": Names.person, "note": Names.text, "judge": Names.person, "withdrawn_by": Names.person,
         "in_time_by": Names.person,
@@ -139,7 +139,7 @@ HIDDEN: Dict[type, Dict[str, Callable[[Names, Any], Any]]] = {
     SheetVersion: {"why": Names.text},
     RunChange: {"who": Names.person, "reason": Names.text, "undone_by": Names.person, "undone_reason": Names.text},
     Slot: {"team": _team},
-    JudgeSheet: {"judge": Names.person, "device": _nothing, "marks": _nothing, "again": Names.text},
+    JudgeSheet: {"judge": Names.person, "device": _nothing, "marks": lambda _, marks: marks._replace(entries={}), "again": Names.text},
     Settlement: {"who": Names.person, "reason": Names.text, "proposals": _proposals},
     Waiver: {"who": Names.person, "reason": Names.text},
     JudgeAct: {"who": Names.person, "judge": Names.person, "reason": Names.text},

@@ -28,6 +28,7 @@ from roah_rsbb.rulebook.benchmarks import (
     ZonePlan,
 )
 from roah_rsbb.rulebook.standing_rules import BY_POINTS, DEFAULT, TOTAL, Criterion, Rules, Term
+from roah_rsbb.scoring.stages import first_kept
 from roah_rsbb.wording.sheets import is_marked
 
 # A number for each criterion; None (missing) is worse than any number.
@@ -325,7 +326,7 @@ def _of_attempts(
             found[left[-1].identity] = (
                 Why.COUNTS if entered else Why.ZERO if left[-1].end_reason in event.absent else Why.NO_SCORE)
         return found
-    first = max((place for place, record in enumerate(ran) if replaces(record)), default=0)
+    first = first_kept(map(replaces, ran))
     found.update({record.identity: Why.NOT_LAST for record in ran[:first]})
     ran = ran[first:]
     if event.counting is CountingAttempt.ALL:

@@ -74,7 +74,8 @@ def course_of(
 
 def with_ratings(course: Course, rows: Mapping[Key, ScoringItem], records: Iterable[ItemRecord]) -> Course:
     """Return a course with the results of juries."""
-    ratings = [SheetMark(id_of(rows[record.key]), Fraction(record.text), sets=True) for record in records
+    last = max((mark.order for mark in course.marks), default=0) + 1
+    ratings = [SheetMark(id_of(rows[record.key]), Fraction(record.text), sets=True, order=last) for record in records
                if record.text and record.key in rows and rows[record.key].kind is ScoreKind.RATING]
     return course._replace(marks=(*course.marks, *ratings)) if ratings else course
 

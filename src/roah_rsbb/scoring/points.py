@@ -6,7 +6,7 @@ from typing import List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.model.records import GroupPoints, ItemRecord, SheetPoints
 from roah_rsbb.model.rules import JuryResult, Measure, Sheet
-from roah_rsbb.model.scoring import MAX_DECIMALS, MAX_VALUE, NO_SECTION, ScoringItem, SheetForm
+from roah_rsbb.model.scoring import INCIDENTS, MAX_DECIMALS, MAX_VALUE, NO_SECTION, ScoringItem, SheetForm
 from roah_rsbb.scoring.earlier import id_of, sheet_of
 from roah_rsbb.scoring.tree import Course, Worth, count
 
@@ -70,9 +70,10 @@ def counted(form: SheetForm, items: Sequence[ItemRecord], course: Course) -> Cou
         return CountedSheet(tuple(items), None)
     sheet = sheet_of(form)
     worth = count(sheet, course)
-    rows = {row.key: row for row in form.items if row.has_points}
+    marked = {(INCIDENTS, incident.title): incident.marks for incident in sheet.incidents}
+    rows = {row.key: marked.get(row.key) or id_of(row) for row in form.items if row.has_points}
     return CountedSheet(
-        tuple(record._replace(points=exact_text(worth.own.get(id_of(rows[record.key]), Fraction(0))))
+        tuple(record._replace(points=exact_text(worth.own.get(rows[record.key], Fraction(0))))
               if record.key in rows else record for record in items),
         SheetPoints(exact_text(worth.total), tuple(_groups(sheet, worth)), worth.steps,
                     exact_text(worth.charged) if worth.charged else "", worth.replaces, _inner(sheet)))

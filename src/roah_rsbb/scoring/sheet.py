@@ -26,7 +26,7 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.fields import two_numbers, typed_number
 from roah_rsbb.model.reason import Refused, joined, say
-from roah_rsbb.model.records import ItemRecord, Rating, ScoreEntry
+from roah_rsbb.model.records import ItemRecord, Rating, ScoreEntry, TakenMarks
 from roah_rsbb.model.rules import Sheet
 from roah_rsbb.model.scoring import (
     INCIDENTS,
@@ -71,9 +71,7 @@ class SheetState:
     """The state of a score sheet is its history. A restart may change the items of the benchmarks file."""
 
     history: List[ScoreEntry] = field(default_factory=list)
-    # The newest marks that have an identity: a line for each, with the number of its entry. The journal gets the state
-    # with each mark, which is faster with one text than with a list.
-    marks: str = ""
+    marks: TakenMarks = TakenMarks()
 
 
 class Mark(NamedTuple):
@@ -117,13 +115,9 @@ class ScoreSheet:
         self._course: Optional[Course] = None  # what the history says; None: not made yet
         self._moments: Tuple[Fraction, ...] = ()  # when incidents come by themselves
         self._void: Dict[int, str] = {}  # number of an entry -> why it does not count although nobody withdrew it
-        self._taken: Dict[str, int] = {}  # identity of a mark -> the number of its entry; 0: it made none
-        for line in self.state.marks.splitlines():
-            number, _, mark_id = line.partition(" ")
-            self._taken[mark_id] = int(number)
-        # The highest number of an entry so far. Numbers are not used again: a late withdrawal must not meet
-        # another entry.
-        self._last_number = max([0, *self._taken.values(), *(entry.number for entry in self._history)])
+        self._taken = dict(self.state.marks.entries)
+        # Numbers are not used again: a late withdrawal must not meet another entry.
+        self._last_number = max([self.state.marks.last, *(entry.number for entry in self._history)])
         self._places = sum(1 + len(item.judges) for item in items)
         # The last entry that is not withdrawn, with the value that counts.
         self._standing: Dict[Place, ScoreEntry] = {}
@@ -141,7 +135,7 @@ class ScoreSheet:
         return tuple(entry._replace(void=self._void.get(entry.number, "")) for entry in self._history)
 
     @property
-    def marks(self) -> str:
+    def marks(self) -> TakenMarks:
         """See `SheetState`."""
         return self.state.marks
 
@@ -271,29 +265,16 @@ class ScoreSheet:
             added=text_of(added), value=int(number), text="" if item.kind in WHOLE else text_of(number))
 
     def _take(self, mark_id: str, entry: int) -> None:
-        """Remember the identity of a mark that was applied."""
-        if not mark_id:
-            return
-        self._taken[mark_id] = entry
-        self.state.marks += _mark_line(entry, mark_id)
-        while len(self._taken) > MAX_MARKS:
-            oldest = next(iter(self._taken))
-            number = self._taken.pop(oldest)
-            self.state.marks = self.state.marks[len(_mark_line(number, oldest)):]
-            if not oldest:  # the number that is not used again is kept
-                self._taken[""] = number
-                self.state.marks += _mark_line(number, "")
+        """Remember the identity of a mark that was applied, if it has one."""
+        if mark_id:
+            self._taken[mark_id] = entry
+            if len(self._taken) > MAX_MARKS:
+                del self._taken[next(iter(self._taken))]
+        self.state.marks = TakenMarks(dict(self._taken), self._last_number)
 
     def _move_marks(self, number: int, to: int) -> None:
-        """The entry of that number is gone: its marks are in another one, or in none. The mark without identity keeps
-        the number, which is not used again."""
-        moved = [mark_id for mark_id, entry in self._taken.items() if entry == number and mark_id]
-        self._taken.update(dict.fromkeys(moved, to))
-        if number == self._last_number:
-            self._taken.pop("", None)
-            self._taken[""] = number
-        if moved or number == self._last_number:
-            self.state.marks = "".join(_mark_line(entry, mark_id) for mark_id, entry in self._taken.items())
+        """The entry of that number is gone: its marks are in another one, or in none."""
+        self._taken.update((mark_id, to) for mark_id, entry in list(self._taken.items()) if entry == number)
 
     def withdraw(self, now: Now, who: str, number: int, note: str = "", correction: bool = False) -> ScoreEntry:
         """Withdraw an entry. The item gets the value that it has without it. Returns the withdrawn entry. Raises
@@ -556,10 +537,6 @@ class ScoreSheet:
         descs = [i.desc for i in self._items.values() if i.group == group]
         return say("no scoring item '{item}' in group '{group}'{hint}")(
             item=desc, group=group, hint=did_you_mean(desc, descs))
-
-
-def _mark_line(entry: int, mark_id: str) -> str:
-    return f"{entry} {mark_id}\n"
 
 
 def _is_plain(entry: ScoreEntry) -> bool:

@@ -7,7 +7,7 @@ the first ones, and a later stage may rank only them. All numbers are exact frac
 
 import statistics
 from fractions import Fraction
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.model.reason import say
 from roah_rsbb.model.rules import Adjusted, Attempts, AttemptsRule, Disqualified, Others, Scale, Stage, StageColumn
@@ -94,6 +94,11 @@ def counting_attempts(rule: AttemptsRule, orders: Sequence[Any]) -> Tuple[int, .
     return places if number is None else tuple(sorted(sorted(places, key=orders.__getitem__)[:number]))
 
 
+def first_kept(replaces: Iterable[bool]) -> int:
+    """Return the place of the first attempt that counts: an extra one replaces those before it."""
+    return max((place for place, each in enumerate(replaces) if each), default=0)
+
+
 def together(rule: AttemptsRule, numbers: Sequence[Optional[Fraction]]) -> Optional[Fraction]:
     """Return one number of those of the attempts that count. None, a number that is missing, is left out."""
     known = [number for number in numbers if number is not None]
@@ -118,7 +123,7 @@ def _deciding_results(rule: AttemptsRule, results: Sequence[Result]) -> List[Res
 def _kept(results: Sequence[Result]) -> List[Result]:
     """Return the results that no extra attempt replaces."""
     results = [result for result in results if result.counts]
-    return results[max((place for place, result in enumerate(results) if result.replaces), default=0):]
+    return results[first_kept(result.replaces for result in results):]
 
 
 def _charged(results: Sequence[Result]) -> Fraction:

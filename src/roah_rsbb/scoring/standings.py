@@ -25,7 +25,7 @@ from roah_rsbb.scoring.counting import (
     rulings,
     sort_key,
 )
-from roah_rsbb.scoring.stages import Result, StageRanking, counting_attempts, rank, together
+from roah_rsbb.scoring.stages import Result, StageRanking, counting_attempts, first_kept, rank, together
 from roah_rsbb.wording.sheets import end_reason, turn
 from roah_rsbb.wording.times import day_of, has_zone
 
@@ -292,7 +292,7 @@ def _about_column(
 
 
 def _team_line(team: str, runs: List[RankedRun], attempts: AttemptsRule, criteria: Sequence[Criterion]) -> TeamLine:
-    first = max((place for place, run in enumerate(runs) if replaces(run.record)), default=0)
+    first = first_kept(replaces(run.record) for run in runs)
     orders = [sort_key(run.numbers, run.disqualified, criteria) for run in runs[first:]]
     counting = tuple(first + place for place in counting_attempts(attempts, orders))
     own = [runs[place] for place in counting]

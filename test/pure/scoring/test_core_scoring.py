@@ -12,6 +12,7 @@ from helpers.examples import examples
 from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Refused
+from roah_rsbb.model.records import TakenMarks
 from roah_rsbb.model.rules import ItemChoice
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.scoring import sheet as sheets
@@ -391,7 +392,9 @@ def test_changes_of_one_moment_are_one_entry_and_a_slip_is_none():
         referees.add(BUMPS, -1, id=f"down {number}")
     assert (referees.sheet.history, referees.value(BUMPS)) == ((), 0)
     referees.add(CUPS, id="other")
-    assert referees.sheet.marks == "0 up 0\n0 up 1\n0 up 2\n0 down 0\n0 down 1\n1 \n0 down 2\n2 other\n"
+    assert list(referees.sheet.marks.entries.items()) == [
+        ("up 0", 0), ("up 1", 0), ("up 2", 0), ("down 0", 0), ("down 1", 0), ("down 2", 0), ("other", 2)]
+    assert referees.sheet.marks.last == 2
 
 
 @pytest.mark.parametrize("first, second", [
@@ -544,7 +547,8 @@ def test_entries_that_are_joined_for_lack_of_room_change_the_item_as_both_did(re
     for number in range(3):
         referees.add(BUMPS, 2, id=f"mark {number}")
     assert referees.entries("number", "old", "value", "added") == [(3, 0, 9, ""), (4, 9, 11, "2")]
-    assert (referees.value(BUMPS), referees.sheet.marks) == (11, "3 mark 0\n3 mark 1\n4 mark 2\n")
+    assert (referees.value(BUMPS), referees.sheet.marks) == (
+        11, TakenMarks({"mark 0": 3, "mark 1": 3, "mark 2": 4}, 4))
     referees.set(BUMPS, not_attempted=True)
     referees.add(BUMPS, 3)
     assert (referees.value(BUMPS), referees.item(BUMPS).not_attempted) == (3, False)
@@ -608,7 +612,7 @@ def test_a_mark_is_applied_once_also_after_a_withdrawal_and_a_restart(referees):
 def test_a_mark_without_an_identity_counts_each_time(referees):
     for _ in range(2):
         referees.add(BUMPS)
-    assert (referees.value(BUMPS), referees.sheet.marks, referees.sheet.taken("")) == (2, "", None)
+    assert (referees.value(BUMPS), referees.sheet.marks.entries, referees.sheet.taken("")) == (2, {}, None)
 
 
 def test_a_mark_that_changes_nothing_is_known_too(referees):
@@ -634,7 +638,6 @@ def test_a_number_is_not_used_again_however_many_marks_followed_without_an_entry
 def test_the_newest_identities_are_kept(referees):
     for number in range(MAX_MARKS + 5):
         referees.add(BUMPS, id=str(number))
-    kept = [line.split()[1] for line in referees.sheet.marks.splitlines()]
-    assert kept == [str(number) for number in range(5, MAX_MARKS + 5)]
+    assert list(referees.sheet.marks.entries) == [str(number) for number in range(5, MAX_MARKS + 5)]
     assert [referees.sheet.taken(mark_id) is None for mark_id in ("4", "5")] == [True, False]
     assert again(referees.sheet, ITEMS).taken("5") == referees.sheet.taken("5")

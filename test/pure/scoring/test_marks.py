@@ -12,6 +12,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.model import run_log
 from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.reason import MAX_WHO, Refused, RunName
+from roah_rsbb.model.records import TakenMarks
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.scoring.book import FinishedRun
@@ -87,7 +88,7 @@ def test_a_mark_is_logged_and_recorded_with_role_and_device(driver):
     assert [effect.topic for effect in taken if isinstance(effect, effects.RunLogged)] == [run_log.SCORE]
     (changed,) = [effect.record for effect in taken if isinstance(effect, effects.RecordChanged)]
     assert [(e.role, e.device, e.added) for e in changed.history] == [("referee", "phone", "1")]
-    assert changed.marks == "1 mark 1\n"
+    assert changed.marks == TakenMarks({"mark 1": 1}, 1)
     assert driver.view().log.count("bumps 0 -> 1 (the vase)") == 1
 
 
@@ -145,6 +146,13 @@ def test_a_finished_run_of_an_older_journal_has_no_marks(driver):
     old = FinishedRun(from_json(type(record), frozen), Benchmark("HGTKMH", "", "", 0.0, 0.0, ITEMS))
     assert [item.value for item in old.record.items if item.desc == "bumps"] == [1]
     assert old.sheet.taken("mark 1") is None
+
+
+@pytest.mark.parametrize("saved, marks", [
+    ("", TakenMarks()), ("0 up\n1 \n0 down\n2 a b\n", TakenMarks({"up": 0, "down": 0, "a b": 2}, 2)),
+    ("3 one\n7 \n", TakenMarks({"one": 3}, 7))])
+def test_marks_of_an_older_journal(saved, marks):
+    assert from_json(TakenMarks, saved) == from_json(TakenMarks, to_json(marks)) == marks
 
 
 @pytest.mark.long

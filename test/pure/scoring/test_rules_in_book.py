@@ -313,6 +313,16 @@ def test_referees_mark_no_pauses_and_nothing_that_a_choice_says():
     assert [row.desc for row in rows(Sheet((kinds,), incidents)) if row.group == INCIDENTS] == ["Restart"]
 
 
+def test_what_an_incident_marks_is_offered_once_and_has_its_points_there():
+    book = Book().incident(40, "absent").incident(50, "absent")
+    rows_of_both = [(row.group, row.desc) for row in book.form.items if row.points == -500]
+    assert rows_of_both == [(INCIDENTS, "Absent")]
+    assert [(item.desc, item.value, item.points) for item in book.book.counted("").items if item.value] == [
+        ("Absent", 2, "-500")]
+    collision = (Incident("collision, restart", marks="away"), Incident("collision, stop", marks="away"))
+    assert [row.points for row in rows(replace(SHEET, incidents=collision)) if row.group == INCIDENTS] == [None, None]
+
+
 def test_an_item_in_no_section_can_be_marked():
     book = Book(Sheet((Item("one", "Finds it", points=Decimal(5)),)))
     (row,) = book.form.items
@@ -370,7 +380,7 @@ def test_marks_follow_their_rows_to_other_names():
 
 def test_points_for_the_team_are_in_the_record_beside_the_total():
     sheet = replace(SHEET, items=tuple(replace(item, for_team=item.id == "away") for item in SHEET.items))
-    book = Book(sheet).at(30, "Finds an object", added="3").at(40, "Does not attend", 1, group=SPECIAL)
+    book = Book(sheet).at(30, "Finds an object", added="3").incident(40, "absent")
     points = book.book.counted("").points
     assert (points.total, points.for_team) == ("30", "-500")
 
