@@ -6168,8 +6168,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/stages.py"/>
-        <source>{part} has no runs yet</source>
-        <translation>{part} hat noch keine Läufe</translation>
+        <source>{part}: no run counts yet</source>
+        <translation>{part}: noch zählt kein Lauf</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/standings.py"/>

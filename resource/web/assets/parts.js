@@ -245,7 +245,7 @@ export function Line({line, scores = line.scores, isMore = false}) {
 }
 
 // The rows of a standing: its teams, then what a reader must know of it.
-export const ranksOf = ({ranks, notes}) => [...ranks, ...notes.map((note) => ({note}))];
+export const ranksOf = ({ranks, notes}) => [...ranks, ...notes];
 
 // A standing, as a table.
 export const Standing = ({standing, words, live, ranks = ranksOf(standing), current}) => html`

@@ -81,7 +81,8 @@ function Team({live, words}) {
   const {results, provisional} = live.data["page.results"];
   const ours = results.filter(isOurs), early = provisional.filter(isOurs);
   const standings = live.data["page.standings"].standings
-    .filter(({ranks}) => ranks.some(({team}) => team === name));
+    .filter(({ranks}) => ranks.some(({team}) => team === name))
+    .map((standing) => ({...standing, notes: standing.notes.filter(({team}) => !team || team === name)}));
   return html`
     <${Trouble} text=${troubleText(live, words)} />
     <header class="head"><${TeamMark} team=${name} live=${live} /><h1>${name}</h1></header>

@@ -131,6 +131,9 @@ class TakenMarks(NamedTuple):
                 "last": max(numbers.values(), default=0)}
 
 
+NO_MARKS = TakenMarks()
+
+
 class TimelineEntry(NamedTuple):
     """Something that happened in a run, besides marks and ends: a start, a pause, a phase, a goal, a note."""
 
@@ -244,7 +247,7 @@ class JudgeSheet(NamedTuple):
     opened_utc: float  # UTC seconds
     device: str = ""  # from which it was sent last; empty: not known
     history: Tuple[ScoreEntry, ...] = ()
-    marks: TakenMarks = TakenMarks()
+    marks: TakenMarks = NO_MARKS
     submitted_utc: float = 0.0  # UTC seconds; 0.0: not submitted
     items: Tuple[ItemRecord, ...] = ()  # as they were submitted
     again: str = ""  # why the judge should look again; empty: not handed back
@@ -384,7 +387,7 @@ class RunRecord(NamedTuple):
     phases: Tuple[PhaseTime, ...] = ()  # those that began after the last start
     points: Optional[SheetPoints] = None  # None: the sheet gives no points
     form: Optional[SheetForm] = None  # None: the sheet only has items without rules
-    marks: TakenMarks = TakenMarks()
+    marks: TakenMarks = NO_MARKS
     judging: JudgingRecord = JudgingRecord()
     publication: PublicationRecord = PublicationRecord()
     event: str = ""  # id of its event in the schedule; empty in journals before 2026-12

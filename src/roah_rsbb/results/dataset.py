@@ -34,6 +34,7 @@ from roah_rsbb.model.records import (
     SignOff,
     Slot,
     StopRecord,
+    TakenMarks,
     TimelineEntry,
     Waiver,
     submitted,
@@ -93,6 +94,10 @@ def names_of(reader: JournalReader) -> Names:
     return Names(hashlib.sha256(secret.encode()).digest())
 
 
+def _no_ids(_names: Names, marks: TakenMarks) -> TakenMarks:
+    return marks._replace(entries={})
+
+
 def _nothing(_names: Names, _text: str) -> str:
     return ""
 
@@ -122,7 +127,7 @@ def _module_value(names: Names, text: str) -> str:
 # journal's entries.
 HIDDEN: Dict[type, Dict[str, Callable[[Names, Any], Any]]] = {
     RunResult: {"entries": lambda _, entries: entries},
-    RunRecord: {"team": _team, "robots": _robots, "marks": lambda _, marks: marks._replace(entries={})},
+    RunRecord: {"team": _team, "robots": _robots, "marks": _no_ids},
     ScoreEntry: {
         "who": Names.person, "note": Names.text, "judge": Names.person, "withdrawn_by": Names.person,
         "in_time_by": Names.person,
@@ -139,7 +144,7 @@ HIDDEN: Dict[type, Dict[str, Callable[[Names, Any], Any]]] = {
     SheetVersion: {"why": Names.text},
     RunChange: {"who": Names.person, "reason": Names.text, "undone_by": Names.person, "undone_reason": Names.text},
     Slot: {"team": _team},
-    JudgeSheet: {"judge": Names.person, "device": _nothing, "marks": lambda _, marks: marks._replace(entries={}), "again": Names.text},
+    JudgeSheet: {"judge": Names.person, "device": _nothing, "marks": _no_ids, "again": Names.text},
     Settlement: {"who": Names.person, "reason": Names.text, "proposals": _proposals},
     Waiver: {"who": Names.person, "reason": Names.text},
     JudgeAct: {"who": Names.person, "judge": Names.person, "reason": Names.text},

@@ -16,6 +16,7 @@ from roah_rsbb.model.reason import Refused, say
 from roah_rsbb.model.records import (
     ANNULLED,
     MOVED,
+    NO_MARKS,
     NOT_RUN,
     REOPENED,
     By,
@@ -34,7 +35,6 @@ from roah_rsbb.model.records import (
     SignOff,
     Slot,
     StopRecord,
-    TakenMarks,
     TimelineEntry,
 )
 from roah_rsbb.model.scoring import INCIDENTS, ScoreKind, ScoringItem, SheetForm
@@ -70,7 +70,7 @@ _PAUSES = (Occurred.PAUSE.name.lower(),)
 _CLOCK = (*_PAUSES, *(each.name.lower() for each in (Occurred.START, Occurred.CONTINUE, Occurred.RESUME)))
 
 _NOT_RUN = tuple(reason.name.lower() for reason in NOT_RUN)
-_NO_JUDGING, _NO_PUBLICATION, _NO_MARKS = JudgingRecord(), PublicationRecord(), TakenMarks()
+_NO_JUDGING, _NO_PUBLICATION = JudgingRecord(), PublicationRecord()
 _KINDS = {kind.word: kind for kind in ScoreKind}
 
 
@@ -724,7 +724,7 @@ class FinishedRuns:
 
         One that never ended is only kept if something was entered for it: its start may be what a power failure took.
         """
-        if not (record.end_reason or record.history or record.marks != _NO_MARKS or record.judging.sheets):
+        if not (record.end_reason or record.history or record.marks != NO_MARKS or record.judging.sheets):
             return
         benchmark = self.benchmarks.get(record.benchmark)
         if benchmark is None:  # the configuration was changed since this record
@@ -739,7 +739,7 @@ class FinishedRuns:
         """Return the part of a record that decides what counts. The journal has the whole record."""
         return record._replace(
             items=self._items.setdefault(record.items, record.items), history=(), stops=(), phases=(), form=None,
-            marks=_NO_MARKS, judging=_NO_JUDGING, publication=_NO_PUBLICATION, timeline=(),
+            marks=NO_MARKS, judging=_NO_JUDGING, publication=_NO_PUBLICATION, timeline=(),
             proposals=(), captain=())
 
     def restore(self, records: Iterable[RunRecord]) -> None:

@@ -26,7 +26,7 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.fields import two_numbers, typed_number
 from roah_rsbb.model.reason import Refused, joined, say
-from roah_rsbb.model.records import ItemRecord, Rating, ScoreEntry, TakenMarks
+from roah_rsbb.model.records import NO_MARKS, ItemRecord, Rating, ScoreEntry, TakenMarks
 from roah_rsbb.model.rules import Sheet
 from roah_rsbb.model.scoring import (
     INCIDENTS,
@@ -71,7 +71,7 @@ class SheetState:
     """The state of a score sheet is its history. A restart may change the items of the benchmarks file."""
 
     history: List[ScoreEntry] = field(default_factory=list)
-    marks: TakenMarks = TakenMarks()
+    marks: TakenMarks = NO_MARKS
 
 
 class Mark(NamedTuple):

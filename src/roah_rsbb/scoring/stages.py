@@ -32,7 +32,7 @@ ALL_ADVANCE = say("{stage}: {teams} tie, so all of them advance")
 WAITS_FOR = say("{stage}: who advances from {before} is not decided yet")
 DID_NOT_ADVANCE = say("{team} has a result in {test} but did not advance: it does not count in {stage}")
 ALL_ZERO = say("{part} counts 0: no team has more than 0")
-NO_RUNS = say("{part} has no runs yet")
+NO_RUNS = say("{part}: no run counts yet")
 
 
 class Result(NamedTuple):

@@ -178,7 +178,8 @@ def page_results(document: Document, utc_s: float) -> Data:
 def page_standings(document: Document) -> Data:
     """Return the texts of the standings."""
     return {"standings": [
-        {**one._asdict(), "title": public.standing_title(one.title), "ranks": [rank._asdict() for rank in one.ranks]}
+        {**one._asdict(), "title": public.standing_title(one.title), "ranks": [rank._asdict() for rank in one.ranks],
+         "notes": [note._asdict() for note in one.notes]}
         for one in public.standings(document)
     ]}
 

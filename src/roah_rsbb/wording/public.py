@@ -17,6 +17,7 @@ from roah_rsbb.model.document import (
     RobotSeen,
     RobotText,
 )
+from roah_rsbb.model.reason import Reason
 from roah_rsbb.model.zone import ENDED, IDLE, RUNNING, ZoneSeen
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.language import number, tr, tr_later, tr_said, tr_words
@@ -75,13 +76,20 @@ class ListLine(NamedTuple):
     rank: str = ""  # of its team in the standing of its benchmark, with it
 
 
+class NoteText(NamedTuple):
+    """What a reader must know of a standing."""
+
+    note: str
+    team: str  # of which it is; empty: of all
+
+
 class StandingTexts(NamedTuple):
     """The texts of a benchmark's standing."""
 
     title: str
     criteria: Tuple[str, ...]
     ranks: Tuple[PublicRank, ...]
-    notes: Tuple[str, ...]
+    notes: Tuple[NoteText, ...]
 
 
 def cards(document: Document) -> Tuple[RunCard, ...]:
@@ -175,7 +183,8 @@ def _standing(standing: PublicStanding) -> StandingTexts:
     return StandingTexts(
         standing.benchmark, standing.criteria,
         tuple(rank._replace(numbers=tuple(map(number, rank.numbers))) for rank in standing.ranks),
-        tuple(tr_said(note) for note in standing.notes))
+        tuple(NoteText(tr_said(note), str(note.values.get("team", "")) if isinstance(note, Reason) else "")
+              for note in standing.notes))
 
 
 def _result(result: PublicResult, utc_s: float, rank: str) -> ListLine:

@@ -456,7 +456,7 @@ def test_a_benchmark_without_positive_numbers_counts_nothing():
     records = [pointed("A", 1, "-1"), pointed("B", 2, "0")]
     table = stage_table([StageColumn("HGTKMH"), StageColumn("HWV")], records)
     assert [line.numbers for line in table.lines] == [(0.0, 0.0, 0.0)] * 2
-    assert table.remarks == ("HGTKMH counts 0: no team has more than 0", "HWV has no runs yet")
+    assert table.remarks == ("HGTKMH counts 0: no team has more than 0", "HWV: no run counts yet")
 
 
 OVERALL = """

@@ -243,7 +243,7 @@ stages: [{ name: S, of: [{ test: T, rounds: [1, 3] }, { test: T, weight: 10, eve
     ranking, = rank(stages, {"T": {"A": found}}, {"T": AttemptsRule(Attempts.SUM)})
     assert ranking.lines[0].numbers == (5, 20, 0)
     assert ranking.lines[0].results == (found[0], found[2], found[1])
-    assert list(ranking.notes) == ["T (round 4) has no runs yet"]
+    assert list(ranking.notes) == ["T (round 4): no run counts yet"]
 
 
 # -- ties -------------------------------------------------------------------------------------------
@@ -385,7 +385,7 @@ def test_the_steps_about_attempts():
 def test_notes_name_what_is_missing_or_does_not_count():
     _, last = ranked(AT_HOME, {**ATTEMPTS, "Final": {"D": [5]}}, GIVEN)
     assert list(last.notes) == ["D has a result in Final but did not advance: it does not count in Final ranking",
-                                "Final has no runs yet"]
+                                "Final: no run counts yet"]
     halves, = ranked("stages: [{ name: S, of: [{ test: T }], normalised: best }]", {"T": {"A": ["1/2"], "B": ["1/8"]}})
     assert table(halves) == [(1, "A", 1), (2, "B", 0.25)]
     zeros, = ranked("stages: [{ name: S, of: [{ test: T }], normalised: best }]", {"T": {"A": [0], "B": [-1]}})

@@ -10,6 +10,7 @@ from helpers.public_box import PublicBox, event, explanation, result, run, stand
 from helpers.shown_box import NOW
 from helpers.time_zones import local_time
 from roah_rsbb.model.document import REPLAY as PREFIX
+from roah_rsbb.model.reason import say
 from roah_rsbb.web.numbered import Viewer
 from roah_rsbb.web.public_documents import DATA, PAGE_EXPLAINED, TEXTS, Store
 from roah_rsbb.wording.language import read_texts, translation
@@ -77,6 +78,10 @@ def test_the_documents_say_what_is_public(store):
         {"name": "doors", "kind": "count", "value": 3}, {"name": "greeted", "kind": "bool", "value": 1}]}]
     assert [one["team"] for one in data(store, "results")["provisional"]] == ["Beta"]
     assert data(store, "standings")["standings"][0]["ranks"] == [{"rank": "1", "team": "Alpha", "numbers": ["4.5"]}]
+    notes = "nobody yet", say("{team} waits")(team="Beta")
+    store.put(standings=[standing()._replace(notes=notes)])
+    assert data(store, "page.standings")["standings"][0]["notes"] == [
+        {"note": "nobody yet", "team": ""}, {"note": "Beta waits", "team": "Beta"}]
 
 
 @pytest.mark.parametrize("of_run, expected", [
