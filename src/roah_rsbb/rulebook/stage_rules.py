@@ -200,7 +200,8 @@ class StageReader:
             is_other = isinstance(each, Scalar) and each.text not in names and nearest(each.text, names) is None
             if isinstance(each, Scalar) and is_other and may_be_other:
                 return benchmark_code(self._report, each)
-            return choice(self._report, each, "ties", (*names, *(self._codes or ())), "a test, or an earlier stage")
+            known = tuple(dict.fromkeys((*names, *(self._codes or ()))))
+            return choice(self._report, each, "ties", known, "a test, or an earlier stage")
 
         return tuple(self._texts(node, "ties", "tests or earlier stages", read))
 

@@ -129,7 +129,7 @@ def test_of_several_robots_each_is_named(writer):
     writer.entry("command", {"command": "start"}, record.identity, port=None)
     named = [h.robot for section in sections(read(writer)) for h in section.events]
     assert sorted(named) == ["", "r2 of team ALL"]
-    assert "r2 of team ALL: notification: hello" in "\n".join(sheet_lines(read(writer), True, False))
+    assert "r2 of team ALL  notification: hello" in "\n".join(sheet_lines(read(writer), True, False))
 
 
 def test_a_state_that_is_said_again_is_one_stretch(writer):
@@ -184,24 +184,25 @@ def test_where_a_run_is(fields, state):
 
 
 def test_the_sheet_in_the_terminal(result, lisbon):
-    text = "\n".join(sheet_lines(result, in_utc=False, strike=False))
+    lines = list(sheet_lines(result, in_utc=False, strike=False))
+    text = "\n".join(" ".join(line.split()) for line in lines)
     for expected in (
         "HGTKMH, team Alpha, round 1, run 1 (HGTKMH-6667-",
         "signed off by chief at 2025-11-21 13:15:00 +01:00",
-        "not attempted  Detects the door",
-        "2  Detects a changed object  (corrected)",
-        "1  2025-11-21 13:00:40 +01:00 anna: Achievements: Detects a changed object: 0 → 1",
-        "; withdrawn by bert at 2025-11-21 13:01:00 +01:00: seen twice",
-        "Detects the door: no → not attempted",
-        " bert: Achievements: Detects a changed object: 1 → 2 (from the video); correction",
-        "anna: Benchmark stopped by the referee: cable",
+        "not attempted Detects the door",
+        "2 Detects a changed object corrected",
+        "1 2025-11-21 13:00:40 +01:00 anna Achievements: Detects a changed object 0 → 1",
+        " withdrawn by bert at 2025-11-21 13:01:00 +01:00: seen twice",
+        "Detects the door no → not attempted",
+        " bert correction Achievements: Detects a changed object 1 → 2 from the video",
+        "anna Benchmark stopped by the referee cable",
         "2025-11-21 13:11:00 +01:00 Stopped due to timeout",
-        "Waypoints reached: 2", "Distance error: 0.123 m",
+        "2 Waypoints reached", "0.123 m Distance error",
         "9 lost on the way to the box (3.0%)", "3 datagrams of the box", "0.030 s at best, 0.050 s at worst",
         "longest silence 9.0 s", "silence over 2.5 s: 7", "robot's address: 10.0.0.7", "/logs/6667.bag",
     ):
         assert expected in text
-    assert not re.search("[\x00-\x09\x0b-\x1f\u202e]", text), "nothing of a robot reaches the terminal as it is"
+    assert not re.search("[\x00-\x1f\u202e]", "".join(lines)), "nothing of a robot reaches the terminal as it is"
 
 
 def test_withdrawn_entries_are_struck_through_where_possible(result):
