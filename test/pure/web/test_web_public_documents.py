@@ -79,8 +79,9 @@ def test_the_documents_say_what_is_public(store):
     assert [one["team"] for one in data(store, "results")["provisional"]] == ["Beta"]
     assert data(store, "standings")["standings"][0]["ranks"] == [{"rank": "1", "team": "Alpha", "numbers": ["4.5"]}]
     notes = "nobody yet", say("{team} waits")(team="Beta")
+    store.keys(["page.standings"], "en")
     store.put(standings=[standing()._replace(notes=notes)])
-    assert data(store, "page.standings")["standings"][0]["notes"] == [
+    assert data(store, "page.standings", "en")["standings"][0]["notes"] == [
         {"note": "nobody yet", "team": ""}, {"note": "Beta waits", "team": "Beta"}]
 
 
