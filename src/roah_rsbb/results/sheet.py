@@ -37,7 +37,7 @@ class Struck(str):
     """What was withdrawn."""
 
 
-class Marked(str):
+class Highlighted(str):
     """A word that nobody must overlook."""
 
 
@@ -48,7 +48,7 @@ class Bad(str):
 Cell = Union[str, Tuple[str, str]]  # two: with a space between them
 
 
-class Part(NamedTuple):
+class SheetPart(NamedTuple):
     """A part of the sheet."""
 
     title: str
@@ -59,7 +59,7 @@ class Part(NamedTuple):
     always: bool = False  # also without rows
 
 
-def parts(result: RunResult, in_utc: bool) -> Iterator[Part]:
+def parts(result: RunResult, in_utc: bool) -> Iterator[SheetPart]:
     """Return the parts of the sheet, besides its facts and links: those that have rows, and their columns that are not
     empty."""
     for part in _parts(result, in_utc):
@@ -71,41 +71,41 @@ def parts(result: RunResult, in_utc: bool) -> Iterator[Part]:
                 classes=tuple(classes[i] for i in kept))
 
 
-def _parts(result: RunResult, in_utc: bool) -> Iterator[Part]:
+def _parts(result: RunResult, in_utc: bool) -> Iterator[SheetPart]:
     record, at = result.record, partial(date_time, in_utc=in_utc)
     yield from _scores(record)
-    yield Part("Timeline", ("When", "Clock", "Who", "What", "Points"), [
+    yield SheetPart("Timeline", ("When", "Clock", "Who", "What", "Points"), [
         (item.time, item.clock, ", ".join(filter(None, (item.who, item.role))),
          "; ".join(filter(None, (f"{item.text} {item.change}".rstrip(), item.note, said_of(item)))), item.points)
         for item in timeline(run_timeline(record), at)[::-1]], ("when", "number", "who"))
-    yield Part("History of the score sheet", ("No.", "When", "Who", "What", "Change", "Note"),
+    yield SheetPart("History of the score sheet", ("No.", "When", "Who", "What", "Change", "Note"),
                [_change(entry) for entry in _entries(record, at)], ("number", "when", "who", "what", "change"))
     names = [sheet.judge for sheet in submitted(record)]
-    yield Part("Judges", ("Item", *names, "Counts", "Settled"), [
+    yield SheetPart("Judges", ("Item", *names, "Counts", "Settled"), [
         (each.item.desc, *each.proposals, sheets.in_words(each.item),
          f"{sheets.person(each.settlement.who)}: {each.settlement.reason}" if each.settlement is not None else "")
         for each in judged_items(record)], ("what", *("value" for _ in names), "value"))
     for title, lines in (("Sheets of the judges", act_lines(record)), ("Objections", objection_lines(record))):
-        yield Part(title, ("When", "Who", "What"),
+        yield SheetPart(title, ("When", "Who", "What"),
                    [(at(utc), sheets.person(who), text) for utc, who, text in lines], ("when", "who", "what"))
-    yield Part("Box away", ("When", "What"), [
+    yield SheetPart("Box away", ("When", "What"), [
         (at(outage.utc), sheets.outage_text(outage)) for outage in record.outages], ("when", "what"))
-    yield Part("Ends", ("When", "Who", "End", "Reason given"), [
+    yield SheetPart("Ends", ("When", "Who", "End", "Reason given"), [
         (at(stop.utc), sheets.person(stop.who), stop.desc or sheets.end_reason(stop.end_reason),
          sheets.stop_reason(stop.reason, stop.reason_by, stop.who)) for stop in record.stops], ("when", "who", "what"))
     yield from (_section(section, in_utc) for section in sections(result))
 
 
-def _scores(record: RunRecord) -> Iterator[Part]:
+def _scores(record: RunRecord) -> Iterator[SheetPart]:
     points = dict(record.points.groups) if record.points is not None else {}
     for group, items in sheets.grouped_shown(record.items).items():
-        yield Part(f"{group}: {points[group]} points" if group in points else group, ("Value", "Points", "Item", ""), [
+        yield SheetPart(f"{group}: {points[group]} points" if group in points else group, ("Value", "Points", "Item", ""), [
             (sheets.in_words(item), item.points, f"{item.desc}{_ratings(record, item)}",
-             Marked(sheets.CORRECTED) if item.corrected else "") for item in items], ("value", "value"))
+             Highlighted(sheets.CORRECTED) if item.corrected else "") for item in items], ("value", "value"))
     if record.points is not None:
-        yield Part(sheets.points_text(record.points), lines=sheets.steps_text(record.points), always=True)
+        yield SheetPart(sheets.points_text(record.points), lines=sheets.steps_text(record.points), always=True)
     for name, lines in scores_by_group(record.module_scores):
-        yield Part(f"Module's score: {name}", ("Value", "What"), [(each.value, each.name) for each in lines],
+        yield SheetPart(f"Module's score: {name}", ("Value", "What"), [(each.value, each.name) for each in lines],
                    ("value",))
 
 
@@ -126,13 +126,13 @@ def _entries(record: RunRecord, at: sheets.When) -> Iterator[sheets.EntryTexts]:
 def _change(entry: sheets.EntryTexts) -> Tuple[Cell, ...]:
     what, change, note = (
         Struck(text) if entry.withdrawn else text for text in (entry.item, entry.change, entry.note))
-    return (entry.number, entry.when, entry.who, (Marked(entry.correction), what) if entry.correction else what,
-            change, (note, Marked(entry.withdrawn)) if entry.withdrawn else note)
+    return (entry.number, entry.when, entry.who, (Highlighted(entry.correction), what) if entry.correction else what,
+            change, (note, Highlighted(entry.withdrawn)) if entry.withdrawn else note)
 
 
-def _section(section: Section, in_utc: bool) -> Part:
+def _section(section: Section, in_utc: bool) -> SheetPart:
     several = any(h.robot for h in section.events)
-    return Part(section.title, ("When", "Who", *(("Robot",) if several else ()), "What"), [
+    return SheetPart(section.title, ("When", "Who", *(("Robot",) if several else ()), "What"), [
         (time_with_tenths(h.utc, in_utc), sheets.person(h.who), *((h.robot,) if several else ()),
          Bad(h.text) if h.bad else h.text) for h in section.events], ("time", "who"))
 
@@ -191,7 +191,7 @@ def _titled(title: str, lines: Sequence[str]) -> Iterator[str]:
     yield from ("", line(title), *(f"  {text}" for text in lines))
 
 
-def _rows(part: Part, strike: bool) -> Iterator[str]:
+def _rows(part: SheetPart, strike: bool) -> Iterator[str]:
     """Return the rows of a table as lines with aligned columns."""
     rows = (part.heads, *part.rows) if part.rows else ()
     cells = [[(cell,) if isinstance(cell, str) else cell for cell in row] for row in rows]
@@ -229,7 +229,7 @@ def sheet_page(
     return page(f"{title} ({record.identity})", *body)
 
 
-def _markup(part: Part) -> Markup:
+def _markup(part: SheetPart) -> Markup:
     rows = table(part.heads, [list(map(_cell, row)) for row in part.rows], part.classes) if part.rows else ""
     lines = tag("ul", *(tag("li", text) for text in part.lines)) if part.lines else ""
     return joined((tag("h2", part.title), rows, lines))
@@ -241,7 +241,7 @@ def _cell(cell: Cell) -> Child:
     if isinstance(cell, Struck):
         return tag("del", str(cell))
     return tag("span", str(cell), class_="bad" if isinstance(cell, Bad) else "mark") if isinstance(
-        cell, (Bad, Marked)) else cell
+        cell, (Bad, Highlighted)) else cell
 
 
 def _link(result: RunResult, robot: RobotPart, in_utc: bool, clock: str) -> Iterator[Markup]:

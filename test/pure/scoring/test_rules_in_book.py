@@ -178,7 +178,7 @@ def test_entries_of_one_second_are_one_unless_an_incident_divides_them():
 
 
 def test_marks_after_the_end_of_a_run_that_ended_before_its_limit_count():
-    book = Book().at(100, "Finds an object", added="1").end(200, "completed").at(205, "Finds an object", added="2")
+    book = Book().at(100, "Finds an object", added="1").end(200, "completed").at(900, "Finds an object", added="2")
     assert (book.total(), book.value("Finds an object")) == ("30", 3)
 
 
