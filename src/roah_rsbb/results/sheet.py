@@ -99,7 +99,8 @@ def _parts(result: RunResult, in_utc: bool) -> Iterator[SheetPart]:
 def _scores(record: RunRecord) -> Iterator[SheetPart]:
     points = dict(record.points.groups) if record.points is not None else {}
     for group, items in sheets.grouped_shown(record.items).items():
-        yield SheetPart(f"{group}: {points[group]} points" if group in points else group, ("Value", "Points", "Item", ""), [
+        title = f"{group}: {points[group]} points" if group in points else group
+        yield SheetPart(title, ("Value", "Points", "Item", ""), [
             (sheets.in_words(item), item.points, f"{item.desc}{_ratings(record, item)}",
              Highlighted(sheets.CORRECTED) if item.corrected else "") for item in items], ("value", "value"))
     if record.points is not None:
