@@ -102,6 +102,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The team cannot object to this result: it needs its code, and the time must not be over</source>
+        <translation>Das Team kann gegen dieses Ergebnis keinen Einspruch einlegen: es braucht seinen Code, und die Zeit darf nicht vorbei sein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>This code is wrong</source>
         <translation>Dieser Code ist falsch</translation>
     </message>
@@ -1132,6 +1137,26 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Time of the run, such as 2:41</source>
+        <translation>Zeit des Laufs, etwa 2:41</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Replay</source>
+        <translation>Wiedergabe</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Objections</source>
+        <translation>Einsprüche</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Run</source>
+        <translation>Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>No answer from the box: check the network, and try again</source>
         <translation>Keine Antwort von der Box: prüfen Sie das Netz und versuchen Sie es noch einmal</translation>
     </message>
@@ -1329,6 +1354,11 @@
         <location filename="../../src/roah_rsbb/wording/judging.py"/>
         <source>objections to answer: {number}</source>
         <translation>offene Einsprüche: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/judging.py"/>
+        <source>not answered yet</source>
+        <translation>noch nicht beantwortet</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/judging.py"/>
@@ -2491,6 +2521,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Objection {number} of {name}: {text}</source>
+        <translation>Einspruch {number} von {name}: {text}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
         <source>Version {number} of the sheet: {text}</source>
         <translation>Fassung {number} des Bogens: {text}</translation>
     </message>
@@ -2503,6 +2538,16 @@
         <location filename="../../src/roah_rsbb/wording/timeline.py"/>
         <source>taken back by {name} at {time}: {reason}</source>
         <translation>zurückgenommen von {name} um {time}: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>upheld by {name} at {time}: {reason}</source>
+        <translation>stattgegeben von {name} um {time}: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>rejected by {name} at {time}: {reason}</source>
+        <translation>abgelehnt von {name} um {time}: {reason}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/timeline.py"/>
@@ -5378,8 +5423,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
-        <source>To a provisional result</source>
-        <translation>Gegen ein vorläufiges Ergebnis</translation>
+        <source>To a result, also a protest after the sign-off: as long as the rules allow it</source>
+        <translation>Gegen ein Ergebnis, auch als Protest nach dem Abschluss: solange die Regeln es erlauben</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
@@ -5388,8 +5433,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
-        <source>The sheet is corrected separately</source>
-        <translation>Der Bogen wird gesondert berichtigt</translation>
+        <source>The sheet is corrected separately: one that is upheld reopens a signed sheet</source>
+        <translation>Der Bogen wird eigens korrigiert: ein Einspruch, dem stattgegeben wird, öffnet einen abgeschlossenen Bogen wieder</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
@@ -5530,6 +5575,11 @@
         <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Time for objections</source>
         <translation>Zeit für Einsprüche</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Second of the run that it is about</source>
+        <translation>Sekunde des Laufs, um die es geht</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
@@ -5853,8 +5903,18 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/publication.py"/>
+        <source>objections were possible until {time}. An organiser who finds the score wrong can reopen the sheet</source>
+        <translation>Einsprüche waren bis {time} möglich. Wer als Organisator die Wertung für falsch hält, kann den Bogen wieder öffnen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
         <source>objections are possible until {time}: wait, or publish again with a shorter time limit</source>
         <translation>Einsprüche sind bis {time} möglich: Warten Sie, oder veröffentlichen Sie noch einmal mit kürzerer Frist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
+        <source>publish the result as provisional first: the rules give time for objections</source>
+        <translation>veröffentlichen Sie das Ergebnis zuerst als vorläufig: Die Regeln geben Zeit für Einsprüche</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/publication.py"/>
@@ -5868,11 +5928,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/publication.py"/>
-        <source>publish the result as provisional first: the rules give time for objections</source>
-        <translation>veröffentlichen Sie das Ergebnis zuerst als vorläufig: Die Regeln geben Zeit für Einsprüche</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
         <source>answer objection {numbers} first</source>
         <translation>beantworten Sie zuerst Einspruch {numbers}</translation>
     </message>
@@ -5880,11 +5935,6 @@
         <location filename="../../src/roah_rsbb/scoring/publication.py"/>
         <source>{limit} s for objections: at most {most} are possible</source>
         <translation>{limit} s für Einsprüche: Höchstens {most} sind möglich</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
-        <source>objections were possible until {time}: the organiser can publish the result again, with another time limit</source>
-        <translation>Einsprüche waren bis {time} möglich: Der Veranstalter kann das Ergebnis mit anderer Frist noch einmal veröffentlichen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/publication.py"/>
@@ -5910,6 +5960,11 @@
         <location filename="../../src/roah_rsbb/scoring/publication.py"/>
         <source>there is no objection {number}: {count} were entered</source>
         <translation>es gibt keinen Einspruch {number}: {count} wurden eingetragen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/publication.py"/>
+        <source>objections were possible until {time}: the organiser can publish the result again, with another time limit</source>
+        <translation>Einsprüche waren bis {time} möglich: Der Veranstalter kann das Ergebnis mit anderer Frist noch einmal veröffentlichen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/sheet.py"/>
@@ -6175,6 +6230,11 @@
         <location filename="../../src/roah_rsbb/scoring/standings.py"/>
         <source>team {team}, {turn}: {what}</source>
         <translation>Team {team}, {turn}: {what}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/scoring/standings.py"/>
+        <source>team {team}, {turn}: an objection is not answered yet</source>
+        <translation>Team {team}, {turn}: ein Einspruch ist noch nicht beantwortet</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/standings.py"/>

@@ -50,6 +50,15 @@ function clockAt(moment) {
   };
 }
 
+// The first moment at which the box's clock had counted these seconds.
+function momentOf(seconds) {
+  const index = data.clock.findIndex(([, clock], place) => {
+    const [until] = data.clock[place + 1] || [Infinity];
+    return clock.counting ? clockAt(until - 1).elapsed >= seconds : (clock.elapsed || 0) >= seconds;
+  });
+  return index < 0 ? data.length : data.clock[index][0] + Math.max(0, seconds - (data.clock[index][1].elapsed || 0)) * 1000;
+}
+
 // -- words ------------------------------------------------------------------------------------------
 
 function duration(seconds) {
@@ -527,6 +536,8 @@ function begin() {
   drawPicture();
   filterEvents();
   draw();
+  const wanted = Number(location.hash.slice(1));
+  if (wanted > 0) seek(momentOf(wanted));
 }
 
 begin();

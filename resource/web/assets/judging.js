@@ -152,41 +152,56 @@ function Judged({one, settle, texts}) {
     </li>`;
 }
 
-function Objections({run, objections, give, texts}) {
-  const [by, setBy] = useState("");
+// `isSigned`: what comes now is a protest.
+function Objections({run, objections, give, texts, isSigned}) {
   const [seconds, setSeconds] = useState(texts.objection_times[0][0]);
   const ask = (name, label, more) => give(name, texts, label, {identity: run.identity, ...more});
   return html`
     <details>
       <summary>${texts.publication}${run.publication && `: ${run.publication}`}</summary>
-      <p>${texts.objection_time}</p>
-      <div class="controls objection-time">
-        ${texts.objection_times.map(([value, text]) => html`
-          <button type="button" class="button" aria-pressed=${value === seconds} onClick=${() => setSeconds(value)}>${text}</button>`)}
-      </div>
-      <${Twice} name="publish" label=${texts.publish} question=${texts.really}
-        reasons=${run.off.publish ? [run.off.publish] : []} act=${() => ask("publish", texts.publish, {seconds})} />
+      ${isSigned || html`<p>${texts.objection_time}</p>
+        <div class="controls objection-time">
+          ${texts.objection_times.map(([value, text]) => html`
+            <button type="button" class="button" aria-pressed=${value === seconds} onClick=${() => setSeconds(value)}>${text}</button>`)}
+        </div>
+        <${Twice} name="publish" label=${texts.publish} question=${texts.really}
+          reasons=${run.off.publish ? [run.off.publish] : []} act=${() => ask("publish", texts.publish, {seconds})} />`}
       <ul>${objections.map((one) => html`
         <li class="item" key=${one.number}><p><strong>${one.number}. ${one.by}</strong>: ${one.text}</p>
+          <a class="button" target="_blank" href=${replayAt(run.identity, one.second)}>${texts.replay} ${one.at}</a>
           ${one.is_answered && html`<p class="why">${one.answer}</p>`}
           <${Reasoned} name="uphold" label=${texts.uphold} texts=${texts}
             act=${(text) => ask("answer", texts.uphold, {number: one.number, upheld: true, text})} />
           <${Reasoned} name="reject" label=${texts.reject} texts=${texts}
             act=${(text) => ask("answer", texts.reject, {number: one.number, upheld: false, text})} />
         </li>`)}</ul>
-      ${!run.off.object && html`
-        <${Reasoned} name="object" label=${texts.object} texts=${texts}
-          act=${(text) => ask("object", texts.object, {by: by.trim(), text})}
-          more=${html`<label>${texts.objection_by}<input maxlength="100" required value=${by}
-            onInput=${(event) => setBy(event.target.value)} /></label>`} />`}
+      ${!run.off.object && html`<${Objecting} run=${run} give=${give} texts=${texts} />`}
     </details>`;
 }
 
+// The page that plays a run again, from this second of its clock on.
+export const replayAt = (identity, second) => `/replay/${encodeURIComponent(identity)}${second ? `#${second}` : ""}`;
+
+// A clock such as 2:41 in seconds; 0: none.
+export const secondsOf = (text) => text.split(":").reduce((all, part) => 60 * all + (Number.parseInt(part, 10) || 0), 0);
+
+export function Objecting({run, give, texts}) {
+  const [by, setBy] = useState("");
+  const [at, setAt] = useState("");
+  return html`
+    <${Reasoned} name="object" label=${texts.object} texts=${texts}
+      act=${(text) => give("object", texts.object, {identity: run.identity, by: by.trim(), text, second: secondsOf(at)})}
+      more=${html`<label>${texts.objection_by}<input maxlength="100" required value=${by}
+          onInput=${(event) => setBy(event.target.value)} /></label>
+        <label>${texts.objection_at}<input maxlength="7" inputmode="numeric" pattern="[0-9]+(:[0-9]{2})?" value=${at}
+          onInput=${(event) => setAt(event.target.value)} /></label>`} />`;
+}
+
 // The way of a result from provisional to final, of a run without judges.
-export function Publication({zone, run, give, texts}) {
+export function Publication({zone, run, give, texts, isSigned = false}) {
   const answer = useAnswer(zone, run);
   return html`<div data-run=${run.identity}>
-    <${Objections} run=${run} objections=${answer ? answer.objections : []} give=${give} texts=${texts} /></div>`;
+    <${Objections} run=${run} objections=${answer ? answer.objections : []} give=${give} texts=${texts} isSigned=${isSigned} /></div>`;
 }
 
 export function HeadReferee({zone, run, give, texts}) {

@@ -4,7 +4,7 @@ import {html, useEffect, useState} from "/assets/parts.js";
 import {reasonsText} from "/assets/device.js";
 import {send} from "/assets/commands.js";
 import {Twice} from "/assets/buttons.js";
-import {HeadReferee, Publication, Reasoned} from "/assets/judging.js";
+import {HeadReferee, Objecting, Publication, Reasoned, replayAt} from "/assets/judging.js";
 import {Sheet, Steps} from "/assets/sheet.js";
 
 // `run`: as in the zone's list of those that wait for a sign-off, or with more from the list of all runs. Whoever pressed
@@ -23,7 +23,7 @@ export function FinishedRun({zone, run, marks, texts, undo, give, events = []}) 
         <${Twice} key=${run.revision} name="sign_off" label=${texts.sign_off} question=${texts.really}
           reasons=${isOpen ? [texts.still_connected] : marks.waiting.some((mark) => mark.identity === run.identity) ? [texts.marks_wait] : []}
           act=${() => give("sign_off", texts, texts.sign_off, {identity: run.identity})} />`}
-      ${judged && !isJudged && html`<${Publication} zone=${zone.zone} run=${judged} texts=${texts} give=${give} />`}
+      ${judged && !isJudged && html`<${Publication} zone=${zone.zone} run=${judged} texts=${texts} give=${give} isSigned=${run.is_signed} />`}
       ${run.put_right && run.put_right.length > 0 && html`<${PutRight} run=${run} events=${events} texts=${texts} give=${give} />`}
     </li>`;
 }
@@ -34,7 +34,9 @@ function PutRight({run, events, texts, give}) {
   const ask = (name, given) => give(name, texts, texts[`${name}_run`], {identity: run.identity, given});
   return html`
     <details class="put-right"><summary>${texts.put_right}</summary>
-      ${run.put_right.map((name) => name === "move" ? html`
+      <a class="button" target="_blank" href=${replayAt(run.identity)}>${texts.replay}</a>
+      ${run.put_right.map((name) => name === "object" ? html`<${Objecting} key=${name} run=${run} texts=${texts} give=${give} />`
+        : name === "move" ? html`
         <${Reasoned} key=${name} name=${name} label=${texts.move_run} texts=${texts} isOff=${!event} act=${(reason) => ask(name, {event, reason})}
           more=${html`<label>${texts.move_to}<select value=${event} onChange=${(change) => setEvent(change.target.value)}>
             <option value=""></option>${events.map(([id, text]) => html`<option value=${id}>${text}</option>`)}</select></label>`} />`

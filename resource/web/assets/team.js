@@ -69,6 +69,43 @@ function Robot({name, live, texts, words}) {
           <${Trouble} text=${trouble} />
           <button class="button">${texts.see_robot}</button>
         </form>`}
+    </section>
+    <${Protests} name=${name} found=${found.protests} load=${load} texts=${texts} words=${words} />`;
+}
+
+// What the team objects to, and what became of it. `found`: see ProtestHandler.
+function Protests({name, found, load, texts, words}) {
+  const [trouble, setTrouble] = useState("");
+  if (!found || !(found.runs.length || found.objections.length)) {
+    return null;
+  }
+  const send = async (event) => {
+    event.preventDefault();
+    const form = event.target, entered = new FormData(form);
+    const second = entered.get("at").split(":").reduce((all, part) => 60 * all + (Number.parseInt(part, 10) || 0), 0);
+    const answer = await ask("POST", `teams/${encodeURIComponent(name)}/protest`, {
+      identity: entered.get("run"), text: entered.get("text"), second, language: parameters.get("language") || words.language});
+    setTrouble(answer.status === 200 ? "" : reasonsText(answer, texts));
+    if (answer.status === 200) {
+      form.reset();
+    }
+    await load();
+  };
+  return html`
+    <section>
+      <h2>${texts.protests}</h2>
+      ${found.objections.length > 0 && html`<ul class="panel lines">${found.objections.map((one) => html`
+        <li class="line">${one.title}: ${one.text} – <strong>${one.answer}</strong></li>`)}</ul>`}
+      ${found.runs.length > 0 && html`
+        <form class="panel" onSubmit=${send}>
+          <label for="run">${texts.protest_run}</label>
+          <select id="run" name="run" required>${found.runs.map((run) => html`<option value=${run.identity}>${run.title}, ${run.until}</option>`)}</select>
+          <label for="text">${texts.reason}</label><input id="text" name="text" required maxlength="300" autocomplete="off" />
+          <label for="at">${texts.objection_at}</label>
+          <input id="at" name="at" maxlength="7" pattern="[0-9]+(:[0-9]{2})?" autocomplete="off" />
+          <${Trouble} text=${trouble} />
+          <button class="button">${texts.object}</button>
+        </form>`}
     </section>`;
 }
 

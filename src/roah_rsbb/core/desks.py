@@ -27,6 +27,7 @@ from roah_rsbb.rulebook.event_ids import key_of
 from roah_rsbb.scoring.book import FinishedRun, FinishedRuns, Note, RunBook
 from roah_rsbb.scoring.counting import Counted, Counting, EventResult, Ruling, Why, attempts_key
 from roah_rsbb.scoring.judges import ItemVerdict
+from roah_rsbb.scoring.publication import PublicationState
 from roah_rsbb.scoring.sheet import Mark
 
 
@@ -182,10 +183,11 @@ class ScoreDesk:
         run = self.named(name)
         return run.record if isinstance(run, FinishedRun) else run.record(now)
 
-    def unsigned(self) -> List[Union[ZoneRun, FinishedRun]]:
-        """Return the runs in the zones, in their order, then the newest finished runs that are not signed off."""
-        finished = [run for run in self._finished.newest_runs(MAX_LISTED)
-                    if run.record.sign_off is None and not run.record.is_annulled]
+    def waiting(self) -> List[Union[ZoneRun, FinishedRun]]:
+        """Return the runs in the zones, in their order, then the newest finished runs that are not signed off, or have
+        an objection to answer."""
+        finished = [run for run in self._finished.newest_runs(MAX_LISTED) if run.record.open_objections
+                    or (run.record.sign_off is None and not run.record.is_annulled)]
         return [*self._zones.runs(), *finished]
 
     # -- scores -------------------------------------------------------------------------------------
@@ -239,23 +241,23 @@ class ScoreDesk:
 
     def captain(self, now: Now, name: RunName, sign: CaptainSign) -> None:
         """Take the captain's signature, or the refusal to sign. Raises `Refused`."""
-        run = self._over_named(name)
+        run = self.over_named(name)
         self.report_correction(run, run.take_captain(sign._replace(
             name=checked_who(sign.name), comment=checked_note(sign.comment), who=checked_who(sign.who))))
 
     def decide(self, now: Now, name: RunName, number: int, accept: bool, reason: str, who: str = "") -> None:
         """Accept or drop a mark that arrived after the sign-off. Raises `Refused`."""
-        run, by = self._over_named(name), By(checked_who(who), checked_note(reason))
+        run, by = self.over_named(name), By(checked_who(who), checked_note(reason))
         self.report_correction(run, run.decide(now, by, number, accept))
 
     def annul(self, now: Now, name: RunName, by: By) -> None:
         """Let a run count nothing. Raises `Refused`, as the next ones."""
-        run = self._over_named(name)
+        run = self.over_named(name)
         self.report_correction(run, run.annul(now, _checked(by)))
 
     def move(self, now: Now, name: RunName, event_id: str, by: By) -> None:
         """Let a run belong to another event of its benchmark: of another team, round or time."""
-        run, found = self._over_named(name), self._zones.event_named(event_id)
+        run, found = self.over_named(name), self._zones.event_named(event_id)
         record = run.record
         if found is None:
             raise Refused([NO_EVENT(zone=name.zone, event=event_id)])
@@ -277,15 +279,16 @@ class ScoreDesk:
 
     def reopen(self, now: Now, name: RunName, by: By) -> None:
         """Let a signed sheet be corrected."""
-        run = self._over_named(name)
+        run = self.over_named(name)
         self.report_correction(run, run.reopen(now, _checked(by)))
 
     def undo(self, now: Now, name: RunName, by: By) -> None:
         """Take the last of these back."""
-        run = self._over_named(name)
+        run = self.over_named(name)
         self.report_correction(run, run.undo(now, _checked(by)))
 
-    def _over_named(self, name: RunName) -> FinishedRun:
+    def over_named(self, name: RunName) -> FinishedRun:
+        """Return the run of that name, which was left. Raises `Refused`."""
         run = self.named(name)
         if not isinstance(run, FinishedRun):
             raise Refused([STILL_CONNECTED(run=run.identity)])
@@ -312,7 +315,7 @@ class ScoreDesk:
         """Make the score sheet of a finished run final. Raises `Refused`."""
         if not name.identity:
             raise Refused([say("name the run to sign off: only a run that is over can be signed off")])
-        run = self._over_named(name)
+        run = self.over_named(name)
         self.report_correction(run, run.sign_off(now, checked_who(who)))
 
     # -- stop ---------------------------------------------------------------------------------------
@@ -403,10 +406,12 @@ class JudgeDesk:
         """Return the judging of a run, with the sheet of `judge` (empty: of nobody). Raises `Refused`."""
         return self._judging(now, self._scores.named(name), checked_who(judge))
 
-    def unsigned(self, now: Now) -> List[RunJudging]:
-        """Return the judging of all runs with judges, or with a published result, that are not signed off."""
-        return [self._judging(now, run) for run in self._scores.unsigned()
-                if run.book.judges.rule is not None or run.book.publication.state.published is not None]
+    def waiting(self, now: Now) -> List[RunJudging]:
+        """Return the judging of all runs that wait (`ScoreDesk.waiting`), and have judges, a published result, rules
+        that ask for one, or an objection."""
+        return [self._judging(now, run) for run in self._scores.waiting()
+                if run.book.judges.rule is not None or run.book.form.objection_time
+                or run.book.publication.state != PublicationState()]
 
     def _judging(self, now: Now, run: Union[ZoneRun, FinishedRun], judge: str = "") -> RunJudging:
         judges = run.book.judges
@@ -470,27 +475,26 @@ class JudgeDesk:
     def publish(self, now: Now, name: RunName, seconds: float = -1.0, who: str = "") -> None:
         """Publish the result of a finished run as provisional. `seconds`: as in `Publication`. Raises `Refused`."""
         by = By(checked_who(who))
-        self._check_over(name)
+        self._over_named(name)
         self._change(now, name, lambda book: book.publication.publish(now, by, seconds))
 
-    def object(self, now: Now, name: RunName, by: str, text: str, who: str = "") -> None:
+    def object(self, now: Now, name: RunName, by: str, text: str, who: str = "", second: int = 0) -> None:
         """Enter an objection. Raises `Refused`."""
-        objector, objection = checked_who(by), checked_note(text)
-        self._check_over(name)
-        self._change(
-            now, name, lambda book: book.publication.object(now, checked_who(who), objector, objection))
+        run = self._over_named(name)
+        self._scores.report_correction(run, run.object(now, checked_who(who), checked_who(by), checked_note(text),
+                                                       second))
 
     def answer(self, now: Now, name: RunName, number: int, upheld: bool, text: str, who: str = "") -> None:
         """Answer an objection. Raises `Refused`."""
-        by = By(checked_who(who), checked_note(text))
-        self._check_over(name)
-        self._change(now, name, lambda book: book.publication.answer(now, by, number, upheld))
+        run = self._over_named(name)
+        self._scores.report_correction(run, run.answer(now, By(checked_who(who), checked_note(text)), number, upheld))
 
     # -- inside -------------------------------------------------------------------------------------
 
-    def _check_over(self, name: RunName) -> None:
-        if not isinstance(self._named(name), FinishedRun):
-            raise Refused([STILL_CONNECTED(run=name.identity)])
+    def _over_named(self, name: RunName) -> FinishedRun:
+        if not name.identity:
+            raise Refused([NAME_THE_RUN])
+        return self._scores.over_named(name)
 
     def _named(self, name: RunName) -> Union[ZoneRun, FinishedRun]:
         if not name.identity:

@@ -196,10 +196,12 @@ _ENTRIES = (
            say("Objections are possible for some time; -1: as the benchmarks file says"),
            (Number("seconds", say("Time for objections"), required=False, low=BY_THE_FILE_S, unit="s",
                    default=BY_THE_FILE_S),), durable=True),
-    Action("object", say("Enter an objection"), say("To a provisional result"),
-           (TypedText("by", say("Who objects"), required=False), TypedText("text", _TEXT, required=False)),
-           durable=True),
-    Action("answer", say("Answer the objection"), say("The sheet is corrected separately"),
+    Action("object", say("Enter an objection"),
+           say("To a result, also a protest after the sign-off: as long as the rules allow it"),
+           (TypedText("by", say("Who objects"), required=False), TypedText("text", _TEXT, required=False),
+            Number("second", say("Second of the run that it is about"), required=False, unit="s")), durable=True),
+    Action("answer", say("Answer the objection"),
+           say("The sheet is corrected separately: one that is upheld reopens a signed sheet"),
            (Number("number", _NUMBER, low=1), Toggle("upheld", say("Upheld"), required=False),
             TypedText("text", _TEXT, required=False)), durable=True),
 )
@@ -216,6 +218,7 @@ def allowed(role: str) -> List[str]:
 STOP = "stop"
 # What referees count and set on a score sheet, and judges on their own.
 MARK, JUDGE_MARK = "mark", "judge_mark"
+OBJECT = "object"  # which a team may do on its page, too
 
 
 class Shown(NamedTuple):

@@ -304,7 +304,7 @@ class Published(NamedTuple):
 
 
 class Objection(NamedTuple):
-    """An objection to a provisional result."""
+    """An objection to a result: a protest, if it is signed off."""
 
     number: int  # 1, 2, … within the run
     utc: float  # UTC seconds
@@ -315,6 +315,7 @@ class Objection(NamedTuple):
     answered_by: str = ""
     upheld: bool = False
     answer: str = ""
+    second: int = 0  # of the run's clock, which it is about; 0: none in particular
 
 
 class SheetVersion(NamedTuple):
@@ -357,7 +358,7 @@ ANNULLED, MOVED, REOPENED = "annulled", "moved", "reopened"
 
 
 class PublicationRecord(NamedTuple):
-    """The publication of a result as provisional, and the objections to it. The sign-off ends both."""
+    """The publication of a result as provisional, and the objections to it, also after the sign-off."""
 
     published: Optional[Published] = None
     objections: Tuple[Objection, ...] = ()  # oldest first
@@ -402,6 +403,11 @@ class RunRecord(NamedTuple):
     def is_annulled(self) -> bool:
         """Whether it counts nothing, because somebody said so."""
         return any(change.what == ANNULLED and not change.undone_utc for change in self.changes)
+
+    @property
+    def open_objections(self) -> int:
+        """How many objections are not answered."""
+        return sum(not one.answered_utc for one in self.publication.objections)
 
     @property
     def slot(self) -> Slot:

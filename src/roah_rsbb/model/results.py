@@ -10,6 +10,7 @@ from roah_rsbb.model.reason import Said
 from roah_rsbb.model.records import (
     CaptainSign,
     ItemRecord,
+    Objection,
     Outage,
     RunChange,
     ScoreValue,
@@ -17,6 +18,21 @@ from roah_rsbb.model.records import (
     TimelineEntry,
 )
 from roah_rsbb.model.zone import SheetItem
+
+
+class ObjectionLine(NamedTuple):
+    """An objection to a result: a protest, if it is signed off."""
+
+    number: int
+    utc_s: float
+    by: str  # who objects, such as a team
+    text: str
+    who: str  # who entered it
+    answered_utc_s: Optional[float]
+    answered_by: str
+    upheld: bool
+    answer: str
+    second: int = 0  # of the run's clock, which it is about; 0: none in particular
 
 
 class RunLine(NamedTuple):
@@ -41,6 +57,8 @@ class RunLine(NamedTuple):
     proposals: int = 0  # marks that arrived after the sign-off, and on which nobody has decided
     versions: int = 0  # earlier ones of its signed sheet
     can_undo: bool = False  # that it was annulled, moved or reopened can be taken back
+    protests_until_utc_s: Optional[float] = None  # its team may object on its own page; None: not
+    objections: Tuple[ObjectionLine, ...] = ()  # oldest first
 
     @property
     def is_annulled(self) -> bool:
@@ -141,6 +159,7 @@ class RunTimeline(NamedTuple):
     captain: Tuple[CaptainSign, ...] = ()
     versions: Tuple[VersionLine, ...] = ()
     changes: Tuple[RunChange, ...] = ()
+    objections: Tuple[Objection, ...] = ()
 
 
 class RunSheet(NamedTuple):
@@ -160,6 +179,7 @@ class RunSheet(NamedTuple):
     captain: Tuple[CaptainSign, ...] = ()  # oldest first; the last one holds
     versions: Tuple[VersionLine, ...] = ()  # oldest first
     changes: Tuple[RunChange, ...] = ()  # oldest first
+    objections: Tuple[Objection, ...] = ()  # oldest first
 
     @property
     def timeline(self) -> RunTimeline:
@@ -167,7 +187,7 @@ class RunSheet(NamedTuple):
         run = self.run
         return RunTimeline(run.identity, run.opened_utc_s, self.history, self.ends, self.entries, self.outages,
                            run.closed_utc_s, run.signed_utc_s, run.signed_by, self.proposals,
-                           self.captain, self.versions, self.changes)
+                           self.captain, self.versions, self.changes, self.objections)
 
 
 class UnsavedParts(NamedTuple):
@@ -210,6 +230,7 @@ class Judging(NamedTuple):
     published_utc_s: Optional[float] = None
     objections_until_utc_s: Optional[float] = None
     open_objections: int = 0
+    must_publish: bool = False  # the rules want it to be published before anybody objects
 
 
 class Given(NamedTuple):
@@ -229,20 +250,6 @@ class JudgedItem(NamedTuple):
     given: Tuple[Given, ...]
     who: str = ""  # who settled it; empty: nobody
     reason: str = ""
-
-
-class ObjectionLine(NamedTuple):
-    """An objection to a provisional result."""
-
-    number: int
-    utc_s: float
-    by: str  # who objects, such as a team
-    text: str
-    who: str  # who entered it
-    answered_utc_s: Optional[float]
-    answered_by: str
-    upheld: bool
-    answer: str
 
 
 class JudgedRun(NamedTuple):

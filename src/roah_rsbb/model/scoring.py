@@ -177,6 +177,7 @@ class SheetForm:
     judges: Optional[JudgesRule] = None  # None: the referee scores
     objection_time: float = 0.0  # seconds after the result is published; 0.0: no such rule
     sheet: Optional[Sheet] = None  # None: see `rules`
+    protest_time: float = 0.0  # seconds after the sign-off; 0.0: no such rule
 
     @property
     def has_points(self) -> bool:
@@ -189,7 +190,7 @@ class SheetForm:
     def is_plain(self) -> bool:
         """Whether it has only items without rules. It is asked for each record of a run."""
         has_rules = (self.rules != NO_SHEET_RULES or self.judges is not None or self.objection_time > 0
-                     or self.sheet is not None)
+                     or self.protest_time > 0 or self.sheet is not None)
         return not has_rules and all(item.is_plain for item in self.items)
 
 

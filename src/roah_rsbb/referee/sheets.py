@@ -276,6 +276,12 @@ def _of_entry(action: str, name: str, help_text: str, examples: Sequence[str], *
         return _decided(call, _judged(call), action, **given_in(call.options, ENTRIES[action]))
 
 
+def seconds_of(word: str) -> int:
+    """Return the seconds of a time of a run, such as 2:41. Raises `ValueError`."""
+    minutes, _, seconds = word.rpartition(":")
+    return 60 * int(minutes or 0) + int(seconds)
+
+
 _JUDGE = argument("judge", help="name of the judge")
 _of_entry("hand_back", "hand-back", "hand a sheet back: the judge looks again, and submits again",
           ["Hall Ben --reason 'item 2 is empty' --by Hugo"], _JUDGE, _REASON, MUST_BY)
@@ -290,15 +296,18 @@ _of_entry("publish", "publish", "publish the result of a finished run as provisi
           argument("--minutes", dest="seconds", metavar="N", default=BY_THE_FILE_S,
                    type=lambda word: round(60.0 * _minutes(word)),
                    help="the time for objections (default: that of the benchmarks file)"), BY)
-_of_entry("object", "object", "enter an objection to a provisional result",
-          ["Hall Epsilon 'the cup was on the table' --by Hugo"],
-          argument("by", metavar="WHO", help="who objects, such as a team"), argument("text", help="the objection"), BY)
+_of_entry("object", "object", "enter an objection to a result: a protest, if it is signed off",
+          ["Hall Epsilon 'the cup was on the table' --at 2:41 --run last --by Hugo"],
+          argument("by", metavar="WHO", help="who objects, such as a team"), argument("text", help="the objection"),
+          argument("--at", dest="second", metavar="M:SS", type=seconds_of, default=0,
+                   help="the time of the run's clock that it is about"), BY)
 
 
 @_add("answer", "answer an objection",
       ["Hall 1 uphold 'the video shows it' --by Hugo", "Hall 1 reject 'it fell' --by Hugo"],
       argument("number", metavar="N", type=counted, help="number of the objection ('judges list' shows it)"),
-      argument("verdict", choices=("uphold", "reject"), help="uphold or reject it; the sheet is corrected separately"),
+      argument("verdict", choices=("uphold", "reject"), help="uphold or reject it; the sheet is corrected separately, and reopened if "
+                                                           "it is signed"),
       argument("text", help="the answer"), BY)
 def _answer(call: Call) -> Exit:
     options = call.options

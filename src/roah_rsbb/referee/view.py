@@ -319,7 +319,8 @@ def _judged_item(item: Judged, style: Style) -> List[str]:
 def _objection(one: ObjectionLine, style: Style) -> List[str]:
     answer = judging.answer_text(one)
     who = f" ({escaped(one.who)})" if one.who else ""
-    return [f"{_IN}{one.number:4}  {style.moments.stamp(one.utc_s)} {escaped(one.by)}: {escaped(one.text)}{who}",
+    at = f" (at {times.clock_time(one.second)} of the run)" if one.second else ""
+    return [f"{_IN}{one.number:4}  {style.moments.stamp(one.utc_s)} {escaped(one.by)}: {escaped(one.text)}{at}{who}",
             f"{_IN}      {escaped(answer) if answer else style(YELLOW, 'not answered')}"]
 
 

@@ -130,8 +130,10 @@ def _line(
     sheet = signature_of(record, in_utc) if record.closed_utc else sheets.OPEN
     name, scheduled = (_name(event), event.scheduled) if event is not None else (
         sheets.run_name(record.benchmark, record.team, record.round, record.run), record.scheduled)
+    if record.open_objections:
+        sheet = f"{sheet}; {record.open_objections} objections to answer"
     return CheckLine(zone, name, scheduled, numbers[record.identity], run_state_text(record, run.ruling.why.value),
-                     sheet, run.is_final)
+                     sheet, run.is_final and not record.open_objections)
 
 
 def _name(event: ScheduledEvent) -> str:

@@ -12,7 +12,7 @@ from roah_rsbb.model.messages import LinkSample
 from roah_rsbb.model.records import ItemRecord, RunRecord, Settlement, submitted
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.sheets import with_counting
-from roah_rsbb.wording.times import NOTHING, date_time, elapsed
+from roah_rsbb.wording.times import NOTHING, clock_time, date_time, elapsed
 
 
 class LinkSecond(NamedTuple):
@@ -267,7 +267,8 @@ def objection_lines(record: RunRecord) -> List[Tuple[float, str, str]]:
         given = f"{seconds} s" if seconds % 60 else f"{seconds // 60} min"
         lines.append((published.utc, published.who, f"Published as provisional, {given} for objections"))
     for one in record.publication.objections:
-        lines.append((one.utc, one.who, f"Objection {one.number} of {one.by}: {one.text}"))
+        at = f" (at {clock_time(one.second)})" if one.second else ""
+        lines.append((one.utc, one.who, f"Objection {one.number} of {one.by}{at}: {one.text}"))
         if one.answered_utc:
             answer = f"Objection {one.number} {'upheld' if one.upheld else 'rejected'}: {one.answer}"
             lines.append((one.answered_utc, one.answered_by, answer))

@@ -80,11 +80,13 @@ class Benchmark:
     judges: Optional[JudgesRule] = None  # None: the referee scores
     objection_time: float = 0.0  # seconds after the result is published; 0.0: no such rule
     sheet: Sheet = NO_SHEET  # its score sheet, and what may happen in its runs; `NO_SHEET`: it has no rules
+    protest_time: float = 0.0  # seconds after the sign-off; 0.0: no such rule
 
     @property
     def form(self) -> SheetForm:
         """The score sheet before it is filled in."""
         return SheetForm(self.scoring, judges=self.judges, objection_time=self.objection_time,
+                         protest_time=self.protest_time,
                          sheet=None if self.sheet is NO_SHEET else self.sheet)
 
     @property

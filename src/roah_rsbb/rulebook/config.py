@@ -92,7 +92,8 @@ _BENCHMARK_OPTIONAL = {
     "setup_time": "120", "attempts": "2", "attempt_counts": "best", "restarts": "clock runs", "pause": "allowed",
     "phases": "[...]", "no_show": "zero",
     "timed_out_goal": "completed", "about": "The robot explores the home.",
-    "judges": "2", "objection_time": "900", "sheet": "[...]", "incidents": "{restart: {times: 1}}",
+    "judges": "2", "objection_time": "900", "protest_time": "1800",
+    "sheet": "[...]", "incidents": "{restart: {times: 1}}",
     "late_marks": "count",
 }
 # Spectators read it on a screen, so it must be short.
@@ -174,7 +175,8 @@ class BenchmarksFile:
             if key in got and "scoring" in got:
                 report.error(got[key].place, f"{key} and scoring in one benchmark", "either of them")
                 break
-        objection_time = _timeout(report, got, "objection_time", infinity="") if "objection_time" in got else 0.0
+        objection_time, protest_time = (_timeout(report, got, name, infinity="") if name in got else 0.0
+                                        for name in ("objection_time", "protest_time"))
         rules = self._rules(got, None if profile is None else profile.kind)
         about = self._about(got["about"]) if "about" in got else ()
         if code is None:
@@ -193,7 +195,7 @@ class BenchmarksFile:
                 rules = replace(rules, absent=tuple(dict.fromkeys([*rules.absent, *ends])))
                 self.by_code[code] = Benchmark(
                     code, name, desc, timeout, total, scoring, profile, rules, about, judges,
-                    objection_time or 0.0, sheet)
+                    objection_time or 0.0, sheet, protest_time or 0.0)
                 self._warn_of_limits(self.by_code[code], got)
         return code if isinstance(node, Mapping) and node.whole else None
 

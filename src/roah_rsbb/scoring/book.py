@@ -481,7 +481,7 @@ class FinishedRun:
         """Accept or drop a mark that arrived after the sign-off. One that is accepted makes a new version of the sheet,
         which is signed by who accepts it. Raises `Refused`."""
         before = self.record
-        _check_named(by.who)
+        check_named(by.who)
         text = self._changed(self._book.decide(now, by, number, accept, before.end_reason))
         if accept:
             self.record = _with_version(before, self.record, now.utc, text, SignOff(now.utc, by.who))
@@ -526,7 +526,7 @@ class FinishedRun:
     def _put_right(self, now: Now, by: By, change: RunChange, text: str, place: Optional[int] = None) -> str:
         """Enter a change, or that the one at `place` was taken back. A signed sheet gets a new version, signed by who
         does it."""
-        _check_named(by.who)
+        check_named(by.who)
         if not by.reason:
             raise Refused([say("enter why: the reason is kept with the score sheet")])
         before, slot = self.record, change.before if change.undone_utc else change.after
@@ -555,8 +555,22 @@ class FinishedRun:
         """Its book."""
         return self._book
 
+    def object(self, now: Now, who: str, by: str, text: str, second: int) -> str:
+        """Enter an objection, also after the sign-off. Raises `Refused`."""
+        signed = self.record.sign_off
+        return self._changed(self._book.publication.object(
+            now, who, by, text, second, 0.0 if signed is None else signed.utc))
+
+    def answer(self, now: Now, by: By, number: int, upheld: bool) -> str:
+        """Answer an objection. A signed sheet is reopened for one that is upheld. Raises `Refused`."""
+        is_reopened = upheld and self.record.sign_off is not None
+        if is_reopened:
+            check_named(by.who)
+        text = self._changed(self._book.publication.answer(now, by, number, upheld))
+        return self.reopen(now, By(by.who, text)) if is_reopened else text
+
     def change_book(self, now: Now, change: Callable[[RunBook], str]) -> str:
-        """Apply judges' marks or objections to the book, and enter what the judges agree on. Raises `Refused`."""
+        """Apply judges' marks or a publication to the book, and enter what the judges agree on. Raises `Refused`."""
         self._check_open()
         text = change(self._book)
         self._book.take_verdicts(now)
@@ -588,7 +602,7 @@ class FinishedRun:
         """Make the score sheet final. Raises `Refused` if it already is, if `who` names nobody, or if sheets of judges
         or answers to objections are missing."""
         self._check_open()
-        _check_named(who)
+        check_named(who)
         reasons = self._book.judges.not_ready() + self._book.publication.not_ready(now)
         if reasons:
             raise Refused(reasons)
@@ -631,14 +645,15 @@ def can_undo(record: RunRecord) -> bool:
     return any(_holds(change, record) for change in record.changes)
 
 
-def _check_named(who: str) -> None:
+def check_named(who: str) -> None:
+    """Check that somebody is named. Raises `Refused`."""
     if sheets.person(who) in ("", sheets.NO_NAME):
         raise Refused([say("a sign-off needs the name of the referee: enter it, in the terminal with --by")])
 
 
 def is_scored_alike(one: SheetForm, other: SheetForm) -> bool:
     """Whether two sheets have the same items and rules, whatever their help and the time for objections is."""
-    first, second = (replace(modern(form), objection_time=0.0, judges=None) for form in (one, other))
+    first, second = (replace(modern(form), objection_time=0.0, protest_time=0.0, judges=None) for form in (one, other))
     return first == second or _without_help(first) == _without_help(second)
 
 

@@ -1,8 +1,10 @@
-"""How a result becomes final: it is published as provisional, teams may object, and it is signed off.
+"""How a result becomes final: it is published as provisional, teams may object, and it is signed off. The rules may
+give time for objections after that, too.
 
 The time limit is a time of day, because teams read it, and because it must survive a restart of the computer.
 """
 
+import math
 from dataclasses import dataclass, field
 from typing import List, Optional
 
@@ -16,6 +18,7 @@ MAX_OBJECTIONS = 50
 # Seconds. The time limit of a rulebook has the same bound.
 MAX_OBJECTION_TIME_S = 86400.0
 
+TOO_LATE = say("objections were possible until {time}. An organiser who finds the score wrong can reopen the sheet")
 UNTIL = say("objections are possible until {time}: wait, or publish again with a shorter time limit")
 
 
@@ -37,7 +40,7 @@ class Publication:
 
     def __init__(self, form: SheetForm, state: PublicationState) -> None:
         self.state = state
-        self._limit_s = form.objection_time
+        self._limit_s, self._protest_s = form.objection_time, form.protest_time
 
     def publish(self, now: Now, by: By, seconds: float) -> str:
         """Publish the result as provisional. `seconds`: time for objections; negative: that of the benchmarks file.
@@ -52,14 +55,22 @@ class Publication:
         self.state.published = Published(now.utc, by.who, now.utc + limit_s)
         return f"Published as provisional: objections are possible until {times.at_venue(now.utc + limit_s)}"
 
-    def object(self, now: Now, who: str, by: str, text: str) -> str:
-        """Enter an objection of `by`. Raises `Refused`."""
+    def until(self, signed_utc: float) -> float:
+        """Return until when (UTC seconds) objections are possible. `signed_utc`: of the sign-off; 0.0: none."""
+        if self._protest_s and (signed_utc or not self._limit_s):
+            return signed_utc + self._protest_s if signed_utc else math.inf
         published = self.state.published
-        if published is None:
+        return math.inf if published is None else published.until_utc
+
+    def object(self, now: Now, who: str, by: str, text: str, second: int, signed_utc: float) -> str:
+        """Enter an objection of `by` about a second of the run. Raises `Refused`."""
+        if self.state.published is None and self._limit_s and not signed_utc:
             raise Refused([say("the result is not published yet: publish it as provisional first")])
-        if now.utc > published.until_utc:
-            raise Refused([say("objections were possible until {time}: the organiser can publish the result again, "
-                               "with another time limit")(time=times.at_venue(published.until_utc))])
+        until = self.until(signed_utc)
+        if now.utc > until:
+            raise Refused([TOO_LATE(time=times.at_venue(until)) if signed_utc else
+                           say("objections were possible until {time}: the organiser can publish the result again, "
+                               "with another time limit")(time=times.at_venue(until))])
         missing = [name for name, value in (
             (say("who objects"), by), (say("the text of the objection"), text)) if not value]
         if missing:
@@ -67,7 +78,7 @@ class Publication:
         if len(self.state.objections) >= MAX_OBJECTIONS:
             raise Refused([say("{most} objections were entered: no more are kept")(most=MAX_OBJECTIONS)])
         number = len(self.state.objections) + 1
-        self.state.objections.append(Objection(number, now.utc, by, text, who))
+        self.state.objections.append(Objection(number, now.utc, by, text, who, second=second))
         return f"Objection {number} of {by}: {text}"
 
     def answer(self, now: Now, by: By, number: int, upheld: bool) -> str:
@@ -85,13 +96,12 @@ class Publication:
     def not_ready(self, now: Now) -> List[str]:
         """Return why the result cannot become final; empty: it can, as far as objections are concerned."""
         state = self.state
-        if state.published is None:
-            return [say("publish the result as provisional first: the rules give time for objections")] \
-                if self._limit_s else []
         waiting = [str(objection.number) for objection in state.objections if not objection.answered_utc]
         reasons: List[str] = [] if not waiting else [
             say("answer objection {numbers} first")(numbers=", ".join(waiting))]
-        if now.utc < state.published.until_utc:
+        if state.published is None and self._limit_s:
+            reasons.append(say("publish the result as provisional first: the rules give time for objections"))
+        if state.published is not None and now.utc < state.published.until_utc:
             until = times.at_venue(state.published.until_utc)
             reasons.append(UNTIL(time=until))
         return reasons

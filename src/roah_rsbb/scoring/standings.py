@@ -41,6 +41,7 @@ NO_TITLES: Mapping[str, str] = {}
 
 
 TURN = say("team {team}, {turn}: {what}")
+PROTEST = say("team {team}, {turn}: an objection is not answered yet")
 UNSIGNED = say("team {team}, {turn}: not signed off yet, so it does not count")
 ABSENT = say("team {team} gets 0 for {part}: none of its runs counts")
 NOT_YET = say("team {team} gets 0 for {part}: its run is not signed off yet")
@@ -130,7 +131,7 @@ def _of_other_sheets(records: Sequence[RunRecord]) -> Iterator[str]:
     """Yield a note for each score sheet by which runs that are compared were scored, other than the newest one's."""
     by_form: Dict[SheetForm, List[str]] = {}
     for record in sorted((record for record in records if record.items), key=lambda record: -record.opened_utc):
-        by_form.setdefault(replace(form_of(record), objection_time=0.0), []).append(record.identity)
+        by_form.setdefault(replace(form_of(record), objection_time=0.0, protest_time=0.0), []).append(record.identity)
     newest = next(iter(by_form), None)
     for form, runs in by_form.items():
         if form is not newest:
@@ -188,6 +189,8 @@ def _remarks(ruling: Ruling, missing: Mapping[str, None], event: EventRules) -> 
         yield f"{run} was repeated: only the {event.counting.value} run counts"
     elif why is Why.RAN:
         yield f"{run} does not count ({end_reason(record.end_reason)}): the team ran at this event"
+    if record.open_objections:
+        yield PROTEST(team=record.team, turn=turn(record.round, record.run))
     if ruling.counts and record.sign_off is None:
         yield f"{run} is not signed off and may still change"
 

@@ -26,7 +26,8 @@ def run_timeline(record: RunRecord) -> RunTimeline:
         tuple(RunEnd(number, stop.utc, stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by, stop.clock_s)
               for number, stop in enumerate(record.stops, 1)),
         record.timeline, record.outages, record.closed_utc or None, None if signed is None else signed.utc,
-        "" if signed is None else signed.who, _proposals(record), record.captain, version_lines(record), record.changes)
+        "" if signed is None else signed.who, _proposals(record), record.captain, version_lines(record), record.changes,
+        record.publication.objections)
 
 
 def version_lines(record: RunRecord) -> Tuple[VersionLine, ...]:

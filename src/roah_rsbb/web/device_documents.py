@@ -36,7 +36,7 @@ from roah_rsbb.web.public_documents import FIXED_TEXTS, Data, Store
 from roah_rsbb.wording import judging, public, schedule, sheets, stop, times, todo, whole_box
 from roah_rsbb.wording.language import number, tr, tr_said
 from roah_rsbb.wording.sheets import scores_by_group, with_counting
-from roah_rsbb.wording.timeline import captain_text, corrections, page_item, timeline
+from roah_rsbb.wording.timeline import captain_text, clock_text, corrections, page_item, timeline
 from roah_rsbb.wording.times import Figure, Moments, clock_of, formatted
 from roah_rsbb.wording.whole_box import LinkQuality
 
@@ -103,7 +103,8 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float, absent: Sequence
         # First that of the run in the zone, so that no judge takes another one for it.
         "judging": [_judging(judgings[run.identity], run, moments, utc_s)
                     for run in sorted(runs, key=lambda run: run.identity != zone.identity)
-                    if run.identity in judgings and (run.closed_utc_s is None or run in unsigned)],
+                    if run.identity in judgings and (
+                        run.closed_utc_s is None or run in unsigned or judgings[run.identity].open_objections)],
     }
 
 
@@ -247,7 +248,7 @@ def side_by_side(run: JudgedRun) -> Data:
         } for one in judging.judged_of(run)],
         "objections": [{
             "number": one.number, "by": one.by, "text": one.text, "is_answered": one.answered_utc_s is not None,
-            "answer": judging.answer_text(one),
+            "answer": judging.answer_text(one), "second": one.second, "at": clock_text(one.second or None),
         } for one in judging.objections_of(run)],
     }
 
@@ -436,7 +437,7 @@ def _run(run: RunLine, shown: PartShown) -> Data:
         "is_closed": run.closed_utc_s is not None, "is_signed": run.signed_utc_s is not None,
         "is_judged": judged is not None and judged.count > 0, "code": run.code,
         "put_right": [name for name, is_on in (
-            ("annul", not run.is_annulled), ("move", True), ("reopen", run.signed_utc_s is not None),
+            ("object", True), ("annul", not run.is_annulled), ("move", True), ("reopen", run.signed_utc_s is not None),
             ("undo", run.can_undo)) if is_on and run.closed_utc_s is not None],
     }
 
@@ -585,6 +586,19 @@ class Desk(Numbered):
             return None
         with self._store.speaking(language):
             return public.team_facts(team, document, self.box.now())
+
+    def protests(self, team: str, language: str) -> Dict[str, List[Data]]:
+        """Return the runs to whose results a team may object now, and what became of its objections."""
+        document, utc_s = self.box.document, self.box.now().utc
+        runs = [] if document is None else [run for run in document.runs() if run.team == team]
+        with self._store.speaking(language):
+            return {
+                "runs": [{"identity": run.identity, "zone": run.zone, "title": _timed_name(run, _MOMENTS, utc_s),
+                          "until": tr(judging.OBJECTIONS_UNTIL, time=_MOMENTS.scheduled(until, utc_s))}
+                         for run in runs for until in [run.protests_until_utc_s or 0.0] if until > utc_s],
+                "objections": [{"title": run_name(run), "text": one.text,
+                                "answer": judging.answer_text(one) or tr(judging.NO_ANSWER)}
+                               for run in runs for one in run.objections if one.by == team]}
 
     def show(self, shown: Iterable[Key]) -> None:
         """Make documents for these from now on, and for no others: language and zone, and where a part of the page of

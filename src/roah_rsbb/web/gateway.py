@@ -94,7 +94,7 @@ class Gateway:
         self._server = WebServer(loop, store, str(host.resource / "web"), own_names(host.names), sessions,
                                  PageCalls(self._client, host.name).carry_out,
                                  self._certificate and self._certificate.context, displays, team_codes, team_pages,
-                                 calls)
+                                 calls, log_dir)
 
     def start(self) -> None:
         """Serve as soon as that is possible."""

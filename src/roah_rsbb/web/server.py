@@ -29,6 +29,7 @@ from roah_rsbb.web.own_pages import OfDevice, PairHandler, PairingsHandler, Sess
 from roah_rsbb.web.pairing import Codes, DeviceSession, Guesses, Sessions
 from roah_rsbb.web.public_documents import DATA, Store
 from roah_rsbb.web.readers import DeviceEventsHandler, EventsHandler, Reader, StopEventsHandler
+from roah_rsbb.web.replays import ReplayHandler
 from roah_rsbb.web.serving import (
     MAX_MESSAGE_BYTES,
     BoundedServer,
@@ -39,7 +40,7 @@ from roah_rsbb.web.serving import (
     policy,
     set_headers,
 )
-from roah_rsbb.web.teams import CODE, CodesHandler, TeamCodes, TeamHandler
+from roah_rsbb.web.teams import CODE, CodesHandler, ProtestHandler, TeamCodes, TeamHandler
 from roah_rsbb.wording.device import TOO_MANY_TEAM_GUESSES
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.public import FIRST_PAGE, NO_PAGE, NO_SCRIPT
@@ -95,7 +96,7 @@ class WebServer:
         sessions: Optional[Sessions] = None, command: Optional[Callable[[Command], Awaitable[Outcome]]] = None,
         context: Optional[ssl.SSLContext] = None,
         displays: Optional[Displays] = None, team_codes: Optional[TeamCodes] = None, team_pages: str = CODE,
-        calls: Optional[Mapping[str, Call]] = None,
+        calls: Optional[Mapping[str, Call]] = None, log_dir: str = "",
     ) -> None:
         """`folder`: the files of the pages; `names`: of this computer (`limits.own_names`).
 
@@ -105,6 +106,7 @@ class WebServer:
         `displays`: what organisers have set for them, `team_codes`: of the teams; None: forgotten at the end.
         `calls`: those of the gateway, for organisers.
         `team_pages`: who sees what the box knows of a team's robot: `all`, or who has the team's `code`.
+        `log_dir`: has the journal, for replays; empty: there are none.
         """
         self._loop = loop
         self.store = store
@@ -119,6 +121,7 @@ class WebServer:
         self.displays = displays or Displays(lambda records: None, {})
         self.command = command or _no_answer
         self.calls = calls or {}
+        self.log_dir, self.is_replaying = log_dir, False
         self.device_rates = Rates(REQUESTS_OF_DEVICE_A_SECOND, REQUESTS_OF_DEVICE_AT_ONCE)
         self.devices: Places[Reader] = Places(
             lambda device: device.close(1013, "too many devices"), MAX_DEVICES)
@@ -430,10 +433,11 @@ def _routes(folder: str) -> List[Tuple[str, Type[web.RequestHandler], Dict[str, 
             ("stop", StopEventsHandler), ("commands/([a-z_]+)", CommandHandler), ("pair", PairHandler),
             ("session", SessionHandler), ("pairings", PairingsHandler), ("displays", DisplaysHandler),
             ("codes", CodesHandler), ("teams/([^/]+)", TeamHandler),
+            ("teams/([^/]+)/protest", ProtestHandler),
         )),
         (r"api/v1/schemas/([a-z]+\.json)", SchemaHandler, {"path": os.path.join(folder, "schemas")}),
         ("worker[.]js", WorkerHandler, page),
         ("assets/(.*)", FileHandler, {"path": os.path.join(folder, "assets")}),
-        ("logos/([^/]+)", LogoHandler, {}),
+        ("logos/([^/]+)", LogoHandler, {}), ("replay/([^/]+)", ReplayHandler, {}),
         ("()", PageHandler, page), (f"({'|'.join(PAGES)})", PageHandler, page), ("(team)/[^/]+", PageHandler, page),
     ]

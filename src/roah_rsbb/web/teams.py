@@ -11,8 +11,10 @@ from typing import Any, Dict
 from tornado import web
 
 from roah_rsbb.ground.kept_file import Save, SavedBeside
+from roah_rsbb.model.actions import OBJECT, ORGANISER
+from roah_rsbb.web.commands import carried_out
 from roah_rsbb.web.own_pages import FromOwnPage, OfOrganiser
-from roah_rsbb.web.pairing import CODE_LENGTH, SIGNS, TooManyGuesses, signs_of
+from roah_rsbb.web.pairing import CODE_LENGTH, SIGNS, DeviceSession, Grant, TooManyGuesses, signs_of
 from roah_rsbb.web.serving import TOO_MANY_REQUESTS
 from roah_rsbb.wording import device
 from roah_rsbb.wording.language import tr
@@ -72,7 +74,13 @@ ALL, CODE = TEAM_PAGES = ("all", "code")
 COOKIE = "roah_rsbb_team"
 
 
-class TeamHandler(FromOwnPage):
+class _OfTeam(FromOwnPage):
+    def has_code(self, team: str) -> bool:
+        """Whether the browser had the team's code."""
+        return bool(self._server.team_codes.is_token(team, self.get_cookie(self.cookie(COOKIE), "")))
+
+
+class TeamHandler(_OfTeam):
     """A team's own robot."""
 
     def get(self, name: str) -> None:
@@ -82,7 +90,8 @@ class TeamHandler(FromOwnPage):
             self.finish({"is_allowed": False, "facts": None})
             return
         desk = self._server.desk
-        self.finish({"is_allowed": True, "facts": desk.team_facts(team, self.language()) if desk.is_heard else None})
+        self.finish({"is_allowed": True, "facts": desk.team_facts(team, self.language()) if desk.is_heard else None,
+                     **({"protests": desk.protests(team, self.language())} if self.has_code(team) else {})})
 
     def post(self, name: str) -> None:
         """Take the code of the team, and answer with a cookie."""
@@ -102,9 +111,27 @@ class TeamHandler(FromOwnPage):
 
     def _may_see(self, team: str) -> bool:
         """Everybody, if the organisers want that; else who has the team's code, and paired devices."""
-        server = self._server
-        return server.team_pages == ALL or self.session() is not None or server.team_codes.is_token(
-            team, self.get_cookie(self.cookie(COOKIE), ""))
+        return self._server.team_pages == ALL or self.session() is not None or self.has_code(team)
+
+
+class ProtestHandler(_OfTeam):
+    """A team objects to the result of one of its runs."""
+
+    async def post(self, name: str) -> None:
+        """Enter it."""
+        team, server, identity = _team(name), self._server, self.text("identity")
+        runs = server.desk.protests(team, self.language())["runs"]
+        run = next((run for run in runs if run["identity"] == identity), None)
+        if run is None or not self.has_code(team):
+            with server.store.speaking(self.language()):
+                self.refuse(403, tr(device.NO_PROTEST))
+            return
+        session = DeviceSession("", Grant(ORGANISER, ""), team, "team page", 0.0)
+        status, answer = await carried_out(server, session, OBJECT, {
+            "zone": run["zone"], "identity": identity, "by": team, "text": self.text("text"),
+            "second": self.body.get("second", 0)}, self.language())
+        self.set_status(status)
+        self.finish(answer)
 
 
 class CodesHandler(OfOrganiser):

@@ -26,6 +26,7 @@ NOT_ENCRYPTED = tr_later(
 NOT_ALLOWED = tr_later("This device may not do that: it is paired as {role}")
 NO_ANSWER = tr_later("No answer from the box: it may have been done. Check the state")
 # Why a team does not see its robot.
+NO_PROTEST = tr_later("The team cannot object to this result: it needs its code, and the time must not be over")
 WRONG_TEAM_CODE = tr_later("This code is wrong")
 TOO_MANY_TEAM_GUESSES = tr_later("Too many wrong codes: wait a minute, then try again")
 CODES_NOT_SAVED = say("The codes cannot be saved ({error}): free or repair the disk of log_dir")
@@ -186,6 +187,8 @@ def page_words() -> Dict[str, Any]:
             judges_score="Several judges score this run, each on a sheet of their own",
             publication="Provisional result and objections", publish=judging.PUBLISH,
             objection_time=judging.OBJECTION_TIME, object=judging.OBJECT, objection_by="Who objects",
+            objection_at="Time of the run, such as 2:41", replay="Replay", protests="Objections",
+            protest_run="Run",
             uphold=judging.UPHOLD, reject=judging.REJECT,
             no_answer="No answer from the box: check the network, and try again",
         ),

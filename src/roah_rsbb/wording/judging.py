@@ -23,6 +23,7 @@ PROVISIONAL = tr_later("provisional")
 OBJECTIONS_UNTIL = tr_later("objections until {time}")
 OBJECTIONS_OVER = tr_later("the time for objections is over")
 OPEN_OBJECTIONS = tr_later("objections to answer: {number}")
+NO_ANSWER = tr_later("not answered yet")
 UPHELD, REJECTED = tr_later("upheld"), tr_later("rejected")
 NOT_OVER = tr_later("The run is still connected")
 WAITING = tr_later("The values are shown when all judges have submitted, or when you do not wait for the others.")
@@ -106,7 +107,7 @@ def off(judging: Judging, is_over: bool) -> Dict[str, str]:
         "withdraw_sheet": "" if judging.judges else tr(NO_SHEETS),
         "waive": "" if is_waited_for else tr(NOBODY_MISSING),
         "publish": over, "answer": over, "sign_off": over,
-        "object": over or ("" if judging.published_utc_s is not None else tr(NOT_PUBLISHED)),
+        "object": over or (tr(NOT_PUBLISHED) if judging.must_publish else ""),
     }
 
 

@@ -5,7 +5,7 @@ Every face shows these items and words none itself.
 
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional
 
-from roah_rsbb.model.records import ANNULLED, REOPENED, CaptainSign, RunChange, Slot, TimelineEntry
+from roah_rsbb.model.records import ANNULLED, REOPENED, CaptainSign, Objection, RunChange, Slot, TimelineEntry
 from roah_rsbb.model.results import HistoryEntry, ProposedMark, RunEnd, RunTimeline
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import number, tr, tr_later, tr_said
@@ -16,7 +16,7 @@ from roah_rsbb.wording.times import clock_time
 MARK, STOP, END, RESTART = "mark", "stop", "end", "restart"
 CONNECT, DISCONNECT, SIGN_OFF, OUTAGE = "connect", "disconnect", "sign_off", "outage"
 NOTE, START, PHASE, GOAL, PAUSE, PROPOSAL = "note", "start", "phase", "goal", "pause", "proposal"
-CAPTAIN, VERSION, CHANGE = "captain", "version", "change"
+CAPTAIN, VERSION, CHANGE, OBJECTION = "captain", "version", "change", "objection"
 _TITLES = {
     CONNECT: tr_later("Connected"), START: tr_later("Started"), RESTART: tr_later("Started again"),
     "continue": tr_later("Continued"), PAUSE: tr_later("Clock paused"), "resume": tr_later("Clock resumed"),
@@ -60,8 +60,8 @@ def timeline(run: RunTimeline, when: When) -> List[TimelineItem]:
 
 
 def corrections(run: RunTimeline, when: When) -> List[TimelineItem]:
-    """Return how a run was put right, and which signed sheets were replaced, the latest first."""
-    return [item for item in timeline(run, when) if item.kind in (CHANGE, VERSION)]
+    """Return how a run was put right, which signed sheets were replaced, and the objections, the latest first."""
+    return [item for item in timeline(run, when) if item.kind in (CHANGE, VERSION, OBJECTION)]
 
 
 def _after(run: RunTimeline, when: When) -> Iterator[TimelineItem]:
@@ -76,6 +76,10 @@ def _after(run: RunTimeline, when: When) -> Iterator[TimelineItem]:
     for version in run.versions:
         yield _plain(SIGN_OFF, version.number, version.signed_utc_s, when)._replace(
             who=sheets.person(version.signed_by))
+    for one in run.objections:
+        yield _plain(OBJECTION, one.number, one.utc, when, one.second or None)._replace(
+            text=tr("Objection {number} of {name}: {text}", number=one.number, name=one.by, text=one.text),
+            who=sheets.person(one.who), said=_answer(one, when), state="" if one.answered_utc else "proposed")
     for place, change in enumerate(run.changes, 1):
         yield _changed_run(change, place, when)
     for version in run.versions:
@@ -96,6 +100,15 @@ def _changed_run(change: RunChange, place: int, when: When) -> TimelineItem:
               time=when(change.undone_utc), reason=change.undone_reason) if change.undone_utc else ""
     return _plain(CHANGE, place, change.utc, when)._replace(
         text=text, who=sheets.person(change.who), note=change.reason, said=said, state="withdrawn" if said else "")
+
+
+def _answer(one: Objection, when: When) -> str:
+    if not one.answered_utc:
+        return tr("not answered yet")
+    name, time = sheets.person(one.answered_by), when(one.answered_utc)
+    if one.upheld:
+        return tr("upheld by {name} at {time}: {reason}", name=name, time=time, reason=one.answer)
+    return tr("rejected by {name} at {time}: {reason}", name=name, time=time, reason=one.answer)
 
 
 def _slot(slot: Slot) -> str:

@@ -28,10 +28,10 @@ BEST_OF_TWO = EventRules(attempts=2, counting=CountingAttempt.BEST)
 class World(BoxDriver):
     """Two events of Alpha and one of Beta in one zone, and one of Beta in another."""
 
-    def __init__(self):
+    def __init__(self, **of_benchmark):
         def of(team, round_number, code="HWV", scoring=SHEET):
-            return replace(event(code, team=team, round=round_number, scoring=scoring, rules=BEST_OF_TWO),
-                           id=f"{code}{team}{round_number}")
+            found = event(code, team=team, round=round_number, scoring=scoring, rules=BEST_OF_TWO, **of_benchmark)
+            return replace(found, id=f"{code}{team}{round_number}")
 
         super().__init__(competition(tbm=[of("Alpha", 1), of("Beta", 1), of("Alpha", 2)],
                                      fbm=[of("Beta", 2), of("Beta", 1, "HCFGAC")]), Settings(auto_next=False))
@@ -62,10 +62,15 @@ class World(BoxDriver):
 
     def totals(self):
         """The standing of the records, as the journal has them, too."""
+        return {line.team: str(line.numbers[0]) for line in self.standing().lines}
+
+    def remarks(self):
+        return [str(remark) for remark in self.standing().remarks if "objection" in remark]
+
+    def standing(self):
         records = self.box.finished.records()
         assert [from_json(RunRecord, to_json(record)) for record in records] == records
-        lines = standing("HWV", records, None, RunChoice(events={"HWV": BEST_OF_TWO})).lines
-        return {line.team: str(line.numbers[0]) for line in lines}
+        return standing("HWV", records, None, RunChoice(events={"HWV": BEST_OF_TWO}))
 
     def shown(self, name):
         items = timeline.timeline(run_timeline(self.record(name)), Moments(True).time_of_day)
@@ -87,7 +92,7 @@ def test_an_annulled_run_is_kept_and_counts_nothing_and_gives_its_attempt_back(w
     assert (world.totals(), world.counted(first, second)) == ({"Alpha": "60"}, ["annulled", "counts"])
     world.right(second, "annul")
     assert world.totals() == {}
-    assert world.box.scores.event_results(world.now) == [] == world.box.scores.unsigned()
+    assert world.box.scores.event_results(world.now) == [] == world.box.scores.waiting()
     assert not world.box.scores.events_over() and not world.box.candidates.is_unsigned(world.box.zones["tbm"])
     third = world.ran(BUMPS)
     assert (world.totals(), world.counted(first, second, third)) == (
@@ -181,3 +186,54 @@ def test_each_needs_a_name_and_a_reason_and_a_run_that_is_over(world, action):
     world.event(world.box.act, Target("fbm"), "open_sheet")
     with pytest.raises(Refused, match="still connected"):
         world.right(RunName("fbm", world.run_in("fbm").identity), action, **given)
+
+
+# -- protests ---------------------------------------------------------------------------------------
+
+
+def test_a_protest_after_the_sign_off_waits_until_it_is_decided_and_the_result_follows(world):
+    name = world.ran(DOOR)
+    world.act(name, "sign_off", "Anna")
+    for number in (1, 2):
+        world.act(name, "object", by="Beta", text=f"protest {number}", second=161)
+    (waiting,) = world.box.judges.waiting(world.now)
+    assert (waiting.record.identity, waiting.record.open_objections) == (name.identity, 2)
+    assert world.remarks() == ["team Alpha, round 1, run 1: an objection is not answered yet"]
+    world.act(name, "answer", number=1, upheld=False, text="it was in")
+    assert world.record(name).sign_off.who == "Anna"
+    with pytest.raises(Refused, match="needs the name"):
+        world.act(name, "answer", "", number=2, upheld=True, text="seen in the replay")
+    assert world.record(name).open_objections == 1
+    world.act(name, "answer", number=2, upheld=True, text="seen in the replay")
+    record = world.record(name)
+    assert (record.sign_off, record.changes[-1].reason) == (None, "Objection 2 of Beta upheld: seen in the replay")
+    world.act(name, "mark", group=BUMPS.group, desc=BUMPS.desc, added="1")
+    world.act(name, "sign_off")
+    record = world.record(name)
+    assert (world.totals(), world.remarks(), world.box.judges.waiting(world.now)) == ({"Alpha": "60"}, [], [])
+    assert [each.points.total for each in (*record.versions, record)] == ["80", "60"]
+    assert [(one.upheld, one.second) for one in record.publication.objections] == [(False, 161), (True, 161)]
+
+
+def test_a_run_with_a_protest_is_not_signed_before_the_answer(world):
+    name = world.ran(DOOR)
+    world.act(name, "object", by="Beta", text="a protest")
+    with pytest.raises(Refused, match="answer objection 1 first"):
+        world.act(name, "sign_off")
+
+
+@pytest.mark.parametrize("later_s, is_late", [(1799.0, False), (1801.0, True)])
+def test_the_rules_limit_the_time_for_protests(later_s, is_late):
+    world = World(protest_time=1800.0)
+    name = world.ran(DOOR)
+    world.run(4000.0)  # the time begins with the sign-off
+    world.act(name, "object", by="Beta", text="early")
+    world.act(name, "answer", number=1, text="no")
+    world.act(name, "sign_off")
+    world.run(later_s)
+    if is_late:
+        with pytest.raises(Refused, match="objections were possible until"):
+            world.act(name, "object", by="Beta", text="late")
+    else:
+        world.act(name, "object", by="Beta", text="in time")
+    assert world.record(name).open_objections == (not is_late)

@@ -403,7 +403,7 @@ def test_a_core_that_is_killed_after_every_event_keeps_everything(tmp_path):
 def test_of_an_event_that_had_no_run_nobody_asks_the_judges(end):
     driver = BoxDriver(judged())
     driver.command(end)
-    (run,) = driver.box.scores.unsigned()
-    assert driver.box.judges.unsigned(driver.now) == []
+    (run,) = driver.box.scores.waiting()
+    assert driver.box.judges.waiting(driver.now) == []
     driver.enter("sign_off", RunName("tbm", run.record.identity), "Hugo")
     assert run.record.sign_off is not None

@@ -206,7 +206,8 @@ class Entries:
             "publish": _Entry(
                 lambda now, run, who, given: judges.publish(now, run, given["seconds"], who), PUBLICATION),
             "object": _Entry(
-                lambda now, run, who, given: judges.object(now, run, given["by"], given["text"], who), PUBLICATION),
+                lambda now, run, who, given: judges.object(
+                    now, run, given["by"], given["text"], who, given["second"]), PUBLICATION),
             "answer": _Entry(
                 lambda now, run, who, given: judges.answer(
                     now, run, given["number"], given["upheld"], given["text"], who), PUBLICATION),

@@ -419,7 +419,7 @@ class Documents:
         return {name: timeline for name, (_, timeline) in self._timelines.items()}
 
     def _judging(self, now: Now) -> Dict[str, Judging]:
-        return {one.record.identity: sheets.judging(one) for one in self._box.judges.unsigned(now)}
+        return {one.record.identity: sheets.judging(one) for one in self._box.judges.waiting(now)}
 
 
 def _kept(before: Dict[str, V], now: Dict[str, V]) -> Dict[str, V]:

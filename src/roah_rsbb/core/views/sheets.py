@@ -2,6 +2,7 @@
 
 import functools
 import json
+import math
 import zlib
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
@@ -30,6 +31,7 @@ from roah_rsbb.scoring.book import can_undo
 from roah_rsbb.scoring.counting import Why
 from roah_rsbb.scoring.judges import ItemVerdict
 from roah_rsbb.scoring.points import text_of
+from roah_rsbb.scoring.publication import Publication, PublicationState
 from roah_rsbb.scoring.timeline import run_timeline, type_of
 from roah_rsbb.scoring.tree import is_late
 from roah_rsbb.wording.sheets import GroupOfValues, points_said, score_line, sums_text
@@ -106,7 +108,17 @@ def run_line(record: RunRecord, why: Optional[Why]) -> RunLine:
         sums_of_record(record), any(item.corrected for item in record.items), None if signed is None else signed.utc,
         "" if signed is None else signed.who, "" if why is None else why.value,
         sum(not each.decided_utc for each in record.proposals), len(record.versions), can_undo(record),
+        _protests_until(record), tuple(map(_objection, record.publication.objections)),
     )
+
+
+def _protests_until(record: RunRecord) -> Optional[float]:
+    """Return until when (UTC seconds) the rules let the team object to a result that it can know."""
+    form, signed = record.form, record.sign_off
+    if form is None or (signed is None and record.publication.published is None):
+        return None
+    until = Publication(form, PublicationState.of(record.publication)).until(0.0 if signed is None else signed.utc)
+    return until if math.isfinite(until) else None
 
 
 def run_sheet(record: RunRecord, why: Optional[Why]) -> RunSheet:
@@ -116,6 +128,7 @@ def run_sheet(record: RunRecord, why: Optional[Why]) -> RunSheet:
         run_line(record, why), tuple(record.robots), record.elapsed_s, _given_items(record),
         happened.history, happened.ends, record.module_scores, record.points, happened.entries, happened.outages,
         happened.proposals, happened.captain, happened.versions, happened.changes,
+        happened.objections,
     )
 
 
@@ -169,7 +182,8 @@ def judging(found: RunJudging) -> Judging:
         "" if waiver is None else waiver.reason,
         sum(verdict.value is None and bool(verdict.proposals) for verdict in found.verdicts),
         None if published is None else published.utc, None if published is None else published.until_utc,
-        sum(not one.answered_utc for one in record.publication.objections),
+        record.open_objections,
+        bool(published is None and record.form and record.form.objection_time and record.sign_off is None),
     )
 
 
@@ -200,7 +214,7 @@ def _judged(verdict: ItemVerdict, item: SheetItem, sheets: Tuple[JudgeSheet, ...
 
 def _objection(one: Objection) -> ObjectionLine:
     return ObjectionLine(one.number, one.utc, one.by, one.text, one.who, one.answered_utc or None, one.answered_by,
-                         one.upheld, one.answer)
+                         one.upheld, one.answer, one.second)
 
 
 def _judging_revision(record: RunRecord) -> int:
