@@ -306,8 +306,8 @@ _of_entry("object", "object", "enter an objection to a result: a protest, if it 
 @_add("answer", "answer an objection",
       ["Hall 1 uphold 'the video shows it' --by Hugo", "Hall 1 reject 'it fell' --by Hugo"],
       argument("number", metavar="N", type=counted, help="number of the objection ('judges list' shows it)"),
-      argument("verdict", choices=("uphold", "reject"), help="uphold or reject it; the sheet is corrected separately, and reopened if "
-                                                           "it is signed"),
+      argument("verdict", choices=("uphold", "reject"),
+               help="uphold or reject it; the sheet is corrected separately, and reopened if it is signed"),
       argument("text", help="the answer"), BY)
 def _answer(call: Call) -> Exit:
     options = call.options
