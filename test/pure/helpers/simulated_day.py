@@ -4,12 +4,10 @@ A test says how robots and people behave. Each zone has a referee, who conducts 
 without waiting for their scheduled times.
 """
 
-import datetime
 import functools
 import io
 import os
 import random
-from dataclasses import replace
 from unittest import mock
 
 import pytest
@@ -25,7 +23,6 @@ from roah_rsbb.core.zones import key_of
 from roah_rsbb.model.modules import ModuleInfo, ModulesState
 from roah_rsbb.model.reason import RunName
 from roah_rsbb.model.records import Phase
-from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.registry import BenchmarkKind
@@ -35,13 +32,12 @@ LOOKS_S = 0.25  # how often modules and referees look
 LOSS = 0.02
 
 
-def make_competition(folder, rulebook, teams, days):
+def make_competition(folder, rulebook, *options):
     """Make the folder of a competition with an included rulebook; returns its path."""
     # pytest 4.6 (Ubuntu 20.04) puts a file there that is not a text stream.
     stdout = io.TextIOWrapper(io.BytesIO(), encoding="utf-8")
-    options = ["--rulebook", rulebook, "--teams", ", ".join(teams), "--days", days, "--time-zone", "UTC"]
     with mock.patch("sys.stdout", stdout), pytest.raises(SystemExit) as end:
-        program.main([str(folder), *options])
+        program.main([str(folder), "--rulebook", rulebook, *options, "--time-zone", "UTC"])
     assert end.value.code == 0
     return str(folder)
 
@@ -57,22 +53,8 @@ class Behaviour:
         """A robot's seconds and result for its goal, which is a text or None; no seconds: it does not end the goal."""
         return 5.0, None
 
-    def course(self, event):
-        """What happens: the robot takes part (connect), the referee scores by hand (open_sheet), or the team gives up
-        (no_show, withdrawn).
-        """
-        return "connect"
-
-    def restarts(self, event):
-        """How often the referee stops the robot and starts it again."""
-        return 0
-
-    def attempts(self, event):
-        """How many attempts the team makes."""
-        return 1
-
-    def marks(self, event, attempt):
-        """The referee's marks of a run; `attempt` counts from 1."""
+    def marks(self, event):
+        """The referee's marks of a run."""
         return ()
 
 
@@ -125,19 +107,14 @@ class RealModules:
 
 
 class Day:
-    """The box with the files of a competition's folder, on one of its days."""
+    """The box with the files of a competition's folder, which is for one day."""
 
-    def __init__(self, folder, behaviour, number=1):
-        """`number`: of the day, from 1."""
+    def __init__(self, folder, behaviour):
         self.folder, self.behaviour = folder, behaviour
         files = (os.path.join(folder, f"{name}.yaml") for name in ("benchmarks", "schedule", "passwords"))
         loaded, warnings = config.load(*files)
         assert warnings == []
-        days = sorted({day_of(event) for zone in loaded.zones for event in zone.events})
-        today = days[number - 1]
-        zones = [replace(zone, events=tuple(event for event in zone.events if day_of(event) == today))
-                 for zone in loaded.zones]
-        self.config = replace(loaded, zones=tuple(zone for zone in zones if zone.events))
+        self.config = loaded
         # Without jitter many datagrams arrive at the same time, so that there are fewer moments to simulate.
         self.world = World(self.config, FakeLink(random.Random(1), loss=LOSS, jitter=False), Settings())
         codes = sorted({event.benchmark.code for zone in self.config.zones for event in zone.events
@@ -175,8 +152,7 @@ class Day:
             teams = list(self.config.passwords) if event.team == ALL_TEAMS else [event.team]
             yield functools.partial(self.busy.isdisjoint, teams)
             self.busy.update(teams)
-            is_here = self.behaviour.course(event) == "connect"
-            robots = [self._switch_on(event, team) for team in teams if is_here]
+            robots = [self._switch_on(event, team) for team in teams]
             yield from self._run(zone.name, event)
             for robot in robots:
                 self.world.robots.remove(robot)
@@ -189,37 +165,23 @@ class Day:
         return robot
 
     def _run(self, zone, event):
-        box, course = self.world.box, self.behaviour.course(event)
-        assert key_of(box.box.zones[zone].event) == key_of(event)
-        place = box.box.zones[zone]
-        for attempt in range(1, self.behaviour.attempts(event) + 1):
-            if key_of(place.event) != key_of(event):
-                yield from self._press(zone, "previous")
-            yield from self._press(zone, course)
-            if course in ("connect", "open_sheet"):
-                yield from self._attempt(zone, event, course, attempt)
-        if key_of(place.event) == key_of(event) and not place.at_last:
-            yield from self._press(zone, "next")
-
-    def _attempt(self, zone, event, course, attempt):
-        """Conduct the run that is connected in a zone, or whose sheet is open, and sign it off."""
+        """Conduct the run of an event, and sign it off."""
         box = self.world.box
+        place = box.box.zones[zone]
+        assert key_of(place.event) == key_of(event)
+        yield from self._press(zone, "connect")
         run = box.run_in(zone)
-        for _ in range(self.behaviour.restarts(event)):
-            yield from self._press(zone, "start")
-            yield lambda: box.box_state(zone) is BoxState.WAITING_RESULT
-            yield from self._press(zone, "stop")
         yield from self._press(zone, "start")
         for _ in event.benchmark.rules.phases[1:]:
             yield from self._press(zone, "next_phase")
-        if course == "open_sheet":
-            yield from self._press(zone, "stop")
         yield from self._to_the_end(zone, event, run)
-        for mark in self.behaviour.marks(event, attempt):
+        for mark in self.behaviour.marks(event):
             box.mark(RunName(zone), mark, "Anna")
         identity = run.identity
         yield from self._press(zone, "disconnect")
         box.enter("sign_off", RunName(zone, identity), "Anna")
+        if key_of(place.event) == key_of(event) and not place.at_last:
+            yield from self._press(zone, "next")
 
     def _to_the_end(self, zone, event, run):
         """Wait for the end of a run, and answer the benchmarking module."""
@@ -233,9 +195,4 @@ class Day:
 
     def _press(self, zone, command):
         yield lambda: not self.world.box.off(command, zone)
-        self.world.box.command(command, zone, **({"again": True} if command == "connect" else {}))
-
-
-def day_of(event):
-    """The day of an event, in UTC."""
-    return datetime.datetime.fromtimestamp(event.scheduled, datetime.timezone.utc).date()
+        self.world.box.command(command, zone)

@@ -81,7 +81,7 @@ def test_cases_for_programs(capsys, tmp_path):
     ({"sheet": "General Purpose"}, [], "case 'General Purpose' (it names no rulebook, so it is of athome2026; others "
      "with --rulebook): no sheet 'General Purpose': did you mean 'General Purpose Service Robot'?"),
     ({"sheet": "General Purpose", "id": "a7"}, ["--rulebook", "athome2026"], "case 'a7': no sheet 'General Pur"),
-    ({"sheet": "Lobby", "rulebook": "athome"}, [], "case 'Lobby': no sheet 'Lobby': there is"),
+    ({"sheet": "Lobby", "rulebook": "heartmet"}, [], "case 'Lobby': no sheet 'Lobby': there is"),
     ({"sheet": GPSR, "marks": [["Solved", 1]]}, [], f"case '{GPSR}' (it names"),
     ({"sheet": GPSR, "marks": [["x", 1, {"i": 77}]]}, [], "no row 77 on the sheet"),
     ({"sheet": GPSR, "marks": ["Understands a command"]}, [], "'Understands a command' is not a mark"),

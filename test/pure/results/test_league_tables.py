@@ -7,13 +7,10 @@ from fractions import Fraction
 
 import pytest
 
-from roah_rsbb.model.rules import AttemptsRule
 from roah_rsbb.results import league_tables as tables
 from roah_rsbb.results.cases import answer, read_folder
 from roah_rsbb.results.program.trying import try_cases
 from roah_rsbb.results.runs import NotPossible
-from roah_rsbb.rulebook.standing_rules import Criterion
-from roah_rsbb.scoring.standings import Standing, TeamLine
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 OPEN = json.loads((ROOT / "test/data/competitions/german_open_2026.json").read_text("utf-8"))
@@ -71,43 +68,6 @@ def test_what_is_wrong_in_a_file_of_scores_is_said(tmp_path, text, said):
     path.write_text(text, "utf-8")
     with pytest.raises(NotPossible, match=re.escape(f"{path}{said}")):
         tables.case_of(str(path))
-
-
-def stage(title, names, rows):
-    """A standing of a stage. `rows`: team, rank, its sum, and what each part gave."""
-    lines = tuple(TeamLine(rank, False, team, tuple(map(Fraction, numbers)), False, (), ())
-                  for team, rank, *numbers in rows)
-    criteria = tuple(Criterion(name, True, ()) for name in ("Total", *names))
-    return Standing("", AttemptsRule(), criteria, lines, (), (), title)
-
-
-def test_the_tables_of_german_open_2026():
-    totals = OPEN["published"]["totals"]
-    tasks = stage("Tasks", ["DL", "PP"], [("Nimbro", 1, 3435, 465, 140), ("SCC", 2, 1295, 15, 35),
-                                          ("Tobi", 3, Fraction("1102.5"), 15, Fraction("127.5")), ("Bit", 4, 35, 0, 0)])
-    shares = [(team, rank, 100 * Fraction(str(totals[team])) / 3435, 100 * Fraction(OPEN["final"][team], 1430))
-              for rank, team in enumerate(OPEN["published"]["ranking"], 1)]
-    final = stage("Final ranking", ["Tasks", "Final"], [(team, rank, own + last, own, last)
-                                                        for team, rank, own, last in shares])
-    assert tables.rankings_text([tasks, final]) == """\
-# Tasks
-| Team   |  DL |    PP | Total Score | Rank |
-|--------|----:|------:|------------:|-----:|
-| Nimbro | 465 | 140.0 |      3435.0 |    1 |
-| SCC    |  15 |  35.0 |      1295.0 |    2 |
-| Tobi   |  15 | 127.5 |      1102.5 |    3 |
-| Bit    |   0 |   0.0 |        35.0 |    4 |
-
-# Final ranking
-| Team   | Tasks | Final | Total Score | Rank |
-|--------|------:|------:|------------:|-----:|
-| Nimbro |   100 |   100 |         200 |    1 |
-| Tobi   |    32 |    24 |          57 |    2 |
-| SCC    |    38 |     0 |          38 |    3 |
-| Bit    |     1 |     0 |           1 |    4 |
-"""
-    rounded = OPEN["published"]["final_ranking_rounded"]
-    assert all(f"|{rounded[team]:12} |" in tables.rankings_text([tasks, final]) for team in rounded)
 
 
 def test_attempts_are_listed_as_they_were_held_and_by_their_points():

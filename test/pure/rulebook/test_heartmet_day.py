@@ -70,7 +70,7 @@ class HeartMet(Behaviour):
             return 4.0, "{}"
         return 4.0, json.dumps({"offered": True, "released": takes or team == "Cyd" or "sitting" in asked})
 
-    def marks(self, event, attempt):
+    def marks(self, event):
         if event.benchmark.code == "FindObject" and event.team == "Dot":
             yield Mark("Penalties", "Touches an object or the table", 3)
         if event.benchmark.code == "DeliverItem":
@@ -99,7 +99,8 @@ EXPECTED = {
 
 @pytest.fixture(scope="module")
 def competition(tmp_path_factory):
-    return make_competition(tmp_path_factory.mktemp("heartmet") / "day", "heartmet", TEAMS, "2026-11-28")
+    return make_competition(tmp_path_factory.mktemp("heartmet") / "day", "heartmet", "--teams", ", ".join(TEAMS),
+                            "--days", "2026-11-28")
 
 
 @pytest.fixture(scope="module")

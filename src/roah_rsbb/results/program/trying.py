@@ -61,7 +61,7 @@ def _folder(options: argparse.Namespace, case: Mapping[str, Any]) -> str:
     names = sorted(os.listdir(included)) if os.path.isdir(included) else []
     found = os.path.join(included, name) if name in names else name
     if not os.path.isdir(found):
-        raise NotPossible(f"no rulebook {name!r}{did_you_mean(name, names)}. A folder is given by its path")
+        raise NotPossible(f"no rulebook {name!r} (a folder is given by its path){did_you_mean(name, names)}")
     return found
 
 

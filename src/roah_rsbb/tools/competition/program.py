@@ -56,7 +56,7 @@ where the time is the venue's local time. All robots do HSUF at once: its team i
 Examples:
   {PROGRAM} erl2026
   {PROGRAM} erl2026 --teams 'BrassButlers, CopperKettle' --benchmarks HGTKMH,HNF --days 2026-11-28,2026-11-29
-  {PROGRAM} athome2026 --rulebook athome --teams 'BrassButlers, CopperKettle' --days 2026-11-28,2026-11-29
+  {PROGRAM} athome --rulebook athome2026 --teams 'BrassButlers, CopperKettle' --days 2026-11-28,2026-11-29
   {PROGRAM} erl2026 --sheet plan.csv
   {PROGRAM} erl2026 --sheet plan.csv --schedule-only
   {PROGRAM} erl2026 --add-team HomeAlone
