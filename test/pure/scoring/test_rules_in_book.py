@@ -405,3 +405,10 @@ def test_an_entry_after_a_time_that_was_left_out_is_later_than_those_before():
     assert (book.value("Finds an object"), book.total()) == (1, "10")
     # An entry that is late does not make those late that follow in a run that was started again.
     assert Book().at(430, "Finds an object", added="1").at(20, "Finds an object", added="2").total() == "20"
+
+
+def test_a_mark_that_waited_has_its_place_between_those_before_and_after_it():
+    book = Book().at(10, "Finds an object", 1).at(20, "Finds an object", 3)
+    book.book.sheet.set(Now(115.0, UTC0 + 15), "Ben", Mark(TABLE, "Finds an object", 2), False, 15.0, UTC0 + 30)
+    assert [entry.value for entry in book.book.sheet.history] == [1, 2, 3]
+    assert (book.value("Finds an object"), book.total()) == (3, "30")
