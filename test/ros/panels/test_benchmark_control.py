@@ -421,7 +421,7 @@ class TestScoring(PanelCase):
         self.assertEqual(self.zone.scores, {BUMPS: 5})
         (first, *_, last) = self.zone.book.sheet.history
         self.assertEqual((first.who, last.role), ("Ben", "referee"))
-        self.assertEqual(len(set(self.zone.book.sheet.marks.splitlines())), 2, "each mark has its own identity")
+        self.assertEqual(len(self.zone.book.sheet.marks.entries), 2, "each mark has its own identity")
 
     def test_counts_for_one_run_never_go_into_the_next(self) -> None:
         self.core.answer_gate.clear()

@@ -642,7 +642,7 @@ class Ledger:
                 del self.runs[believed.identity]
                 self.current = {zone: each for zone, each in self.current.items() if each is not believed}
             return
-        there = {line.rsplit(" ", 1)[-1] for line in record.marks.splitlines()}
+        there = record.marks.entries
         believed.entries = [kept for kept in believed.ever if kept.act.given["id"] in there or (
             kept in believed.entries and self._must_be_there(kept.act))]
         believed.taken = {id: act for id, act in believed.taken.items() if id in there}

@@ -108,13 +108,11 @@ class Referee:
         self._send_mark(zone, identity, given)
 
     def _row(self, benchmark):
-        """A row of a sheet with incidents, which are rarer. What an incident marks is not marked as a row."""
+        """A row of a sheet with incidents, which are rarer."""
         if self.random.random() < 0.25:
             name = self.random.choices(*zip(*INCIDENT_WEIGHTS.items()))[0]
             return next(row for row in benchmark.scoring if (row.group, row.id) == (INCIDENTS, name))
-        marked = {rule.marks for rule in benchmark.sheet.incidents}
-        return self.random.choice([
-            row for row in benchmark.scoring if row.group != INCIDENTS and row.id not in marked])
+        return self.random.choice([row for row in benchmark.scoring if row.group != INCIDENTS])
 
     def _send_mark(self, zone, identity, given):
         def answered(why):
