@@ -412,6 +412,51 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Change the day</source>
+        <translation>Den Tag ändern</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>What happens</source>
+        <translation>Was passiert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Shift a late zone, swap, move or add events, withdraw a team. The effect is shown before anything changes.</source>
+        <translation>Eine verspätete Zone verschieben, Termine tauschen, verlegen oder hinzufügen, ein Team abmelden. Die Wirkung wird gezeigt, bevor sich etwas ändert.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Show the effect</source>
+        <translation>Wirkung zeigen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Do it</source>
+        <translation>Ausführen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>This would change:</source>
+        <translation>Das würde sich ändern:</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Changes so far</source>
+        <translation>Änderungen bisher</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Nothing was changed yet.</source>
+        <translation>Noch wurde nichts geändert.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>undone</source>
+        <translation>rückgängig gemacht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Reload</source>
         <translation>Neu laden</translation>
     </message>
@@ -3962,6 +4007,71 @@
         <translation>Die Werte der Felder sind kein JSON-Objekt wie {example}</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/box/configuration.py"/>
+        <source>{path} is a part of the program, and is not written: the edit is kept in log_dir</source>
+        <translation>{path} gehört zum Programm und wird nicht geschrieben: Die Änderung wird in log_dir behalten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/configuration.py"/>
+        <source>{path} was changed by hand, too. The edit is written there; what else was changed is in force after &apos;reload&apos;</source>
+        <translation>{path} wurde auch von Hand geändert. Die Änderung ist dort eingetragen; was sonst geändert wurde, gilt nach &apos;reload&apos;</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/configuration.py"/>
+        <source>{path} was changed by hand, and does not fit the edit, which is in force: it is not written. Enter it there, or &apos;reload&apos; takes it back</source>
+        <translation>{path} wurde von Hand geändert und passt nicht zur Änderung, die gilt: Sie wird nicht geschrieben. Tragen Sie sie dort ein, sonst nimmt &apos;reload&apos; sie zurück</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/configuration.py"/>
+        <source>{path} cannot be written ({error}). The edit is in force, and is written with the next one or at the next start</source>
+        <translation>{path} kann nicht geschrieben werden ({error}). Die Änderung gilt und wird mit der nächsten oder beim nächsten Start geschrieben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/day_edits.py"/>
+        <source>There is no edit &apos;{action}&apos;{hint}</source>
+        <translation>Es gibt keine Änderung &apos;{action}&apos;{hint}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/day_edits.py"/>
+        <source>The effect is another one by now: look at it again</source>
+        <translation>Die Wirkung ist inzwischen eine andere: Sehen Sie sie noch einmal an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/day_edits.py"/>
+        <source>There is no edit {number} that can be undone</source>
+        <translation>Es gibt keine Änderung {number}, die rückgängig gemacht werden kann</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/day_edits.py"/>
+        <source>This changed no event: choose the events again, and run them</source>
+        <translation>Das hat keinen Termin geändert: Wählen Sie die Termine noch einmal und führen Sie sie durch</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/day_edits.py"/>
+        <source>Team {team} has no such event to come</source>
+        <translation>Team {team} hat keinen solchen Termin mehr vor sich</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/day_edits.py"/>
+        <source>{event}: {time} in zone &apos;{zone}&apos;, the team withdraws</source>
+        <translation>{event}: {time} in Zone &apos;{zone}&apos;, das Team tritt zurück</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/day_edits.py"/>
+        <source>Team {team} gets a password, in {path}</source>
+        <translation>Team {team} bekommt ein Passwort, in {path}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/day_edits.py"/>
+        <source>{path} is a part of the program, and is not written: make a competition&apos;s folder</source>
+        <translation>{path} gehört zum Programm und wird nicht geschrieben: Legen Sie den Ordner eines Wettbewerbs an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/day_edits.py"/>
+        <source>{path} cannot be written: {error}. Make it writable for this user</source>
+        <translation>{path} kann nicht geschrieben werden: {error}. Erlauben Sie diesem Benutzer das Schreiben</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/box/game.py"/>
         <source>stopped, not yet recorded</source>
         <translation>gestoppt, noch nicht aufgezeichnet</translation>
@@ -5038,6 +5148,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>To zone</source>
+        <translation>In Zone</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>To time</source>
+        <translation>Auf Zeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Connect</source>
         <translation>Verbinden</translation>
     </message>
@@ -5438,6 +5558,91 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>A zone is late</source>
+        <translation>Eine Zone ist verspätet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Shift the events of a zone that are to come today, by minutes such as 40, or so that the next one begins at a time such as 14:20</source>
+        <translation>Die heute noch kommenden Termine einer Zone um Minuten verschieben, etwa 40, oder so, dass der nächste zu einer Zeit wie 14:20 beginnt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Swap two events</source>
+        <translation>Zwei Termine tauschen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Two events exchange their times and zones</source>
+        <translation>Zwei Termine tauschen Zeit und Zone</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Move an event</source>
+        <translation>Einen Termin verlegen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>To a time such as 14:20, a day such as 2026-11-30, both, or another zone</source>
+        <translation>Auf eine Zeit wie 14:20, einen Tag wie 2026-11-30, beides, oder in eine andere Zone</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Add an event</source>
+        <translation>Einen Termin hinzufügen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>A new event of a team, at a time such as 14:20</source>
+        <translation>Ein neuer Termin eines Teams, zu einer Zeit wie 14:20</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Remove an event</source>
+        <translation>Einen Termin streichen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>It will not take place</source>
+        <translation>Er findet nicht statt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Repeat an event</source>
+        <translation>Einen Termin wiederholen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>The team gets the same event again, after the last one of the zone or at a time such as 14:20</source>
+        <translation>Das Team bekommt denselben Termin noch einmal, nach dem letzten der Zone oder zu einer Zeit wie 14:20</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>A team withdraws</source>
+        <translation>Ein Team tritt zurück</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>From all events to come, those of a day, or one</source>
+        <translation>Von allen kommenden Terminen, denen eines Tages, oder einem</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>A late team</source>
+        <translation>Ein spätes Team</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>With a password, and an event for each benchmark and round that other teams do from today on</source>
+        <translation>Mit Passwort und einem Termin für jeden Benchmark und jede Runde, die andere Teams von heute an haben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Put the events of an edit back, if nobody changed them since</source>
+        <translation>Die Termine einer Änderung zurücksetzen, wenn sie seither niemand geändert hat</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Connect in {zone}</source>
         <translation>Verbinden in {zone}</translation>
     </message>
@@ -5587,6 +5792,31 @@
         <translation>Stattgegeben</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Minutes, or time</source>
+        <translation>Minuten oder Zeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Other event</source>
+        <translation>Anderer Termin</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Only this day</source>
+        <translation>Nur dieser Tag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Only this event</source>
+        <translation>Nur dieser Termin</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Name that its robot announces</source>
+        <translation>Name, den sein Roboter meldet</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/model/fields.py"/>
         <source>{field}: a text is expected</source>
         <translation>{field}: Ein Text wird erwartet</translation>
@@ -5700,6 +5930,141 @@
         <location filename="../../src/roah_rsbb/model/records.py"/>
         <source>The team withdrew</source>
         <translation>Das Team hat zurückgezogen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>The schedule has no such event any more: look at it again</source>
+        <translation>Der Zeitplan hat diesen Termin nicht mehr: Sehen Sie ihn noch einmal an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>{event} is over, or in progress: &apos;repeat&apos; gives the team another one</source>
+        <translation>{event} ist vorbei oder läuft: &apos;repeat&apos; gibt dem Team einen weiteren</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>Zone &apos;{zone}&apos; has no event to come</source>
+        <translation>Zone &apos;{zone}&apos; hat keinen Termin mehr vor sich</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>There is no zone &apos;{zone}&apos;</source>
+        <translation>Es gibt keine Zone &apos;{zone}&apos;</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>{event} is the only event of zone &apos;{zone}&apos;, which cannot be empty</source>
+        <translation>{event} ist der einzige Termin der Zone &apos;{zone}&apos;, die nicht leer sein kann</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>&apos;{text}&apos; is no time: expected such as 14:20, or 2026-11-29 14:20</source>
+        <translation>&apos;{text}&apos; ist keine Zeit: erwartet wird etwa 14:20 oder 2026-11-29 14:20</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>&apos;{text}&apos; is no delay: expected minutes such as 40 or -10, or the time of the next event such as 14:20</source>
+        <translation>&apos;{text}&apos; ist keine Verspätung: erwartet werden Minuten wie 40 oder -10, oder die Zeit des nächsten Termins wie 14:20</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>{text} does not exist: the clocks skip it</source>
+        <translation>{text} gibt es nicht: Die Uhren überspringen es</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>That is more than a day: move the events</source>
+        <translation>Das ist mehr als ein Tag: Verlegen Sie die Termine</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>Nothing would change</source>
+        <translation>Nichts würde sich ändern</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>Choose two different events</source>
+        <translation>Wählen Sie zwei verschiedene Termine</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>{event} was changed since: nothing was undone</source>
+        <translation>{event} wurde seither geändert: Nichts wurde rückgängig gemacht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>Team {team} is there already</source>
+        <translation>Team {team} gibt es schon</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>{event}: removed (it was at {time} in zone &apos;{zone}&apos;)</source>
+        <translation>{event}: gestrichen (war um {time} in Zone &apos;{zone}&apos;)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>{event}: {time} in zone &apos;{zone}&apos; instead of {before} in zone &apos;{other}&apos;</source>
+        <translation>{event}: {time} in Zone &apos;{zone}&apos; statt {before} in Zone &apos;{other}&apos;</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>Team {team} is in two zones at once: {event} at {time}, {other} at {then}</source>
+        <translation>Team {team} ist in zwei Zonen zugleich: {event} um {time}, {other} um {then}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>Team {team} has less than {minutes} minutes between {event} ({time}) and {other} ({then})</source>
+        <translation>Team {team} hat weniger als {minutes} Minuten zwischen {event} ({time}) und {other} ({then})</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>Zone &apos;{zone}&apos;: {other} at {then} begins before the end of {event} ({time})</source>
+        <translation>Zone &apos;{zone}&apos;: {other} um {then} beginnt vor dem Ende von {event} ({time})</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>{event} at {time} ends after midnight</source>
+        <translation>{event} um {time} endet nach Mitternacht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>{code} of {team}</source>
+        <translation>{code} von {team}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>{event}: {time} instead of {before}</source>
+        <translation>{event}: {time} statt {before}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>{event}: {time} in zone &apos;{zone}&apos;, added</source>
+        <translation>{event}: {time} in Zone &apos;{zone}&apos;, neu</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>{event}: {time} has passed</source>
+        <translation>{event}: {time} ist vorbei</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>{number} events are at times that have passed</source>
+        <translation>{number} Termine sind zu Zeiten, die vorbei sind</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/schedule_text.py"/>
+        <source>The schedule file has an event that does not begin with &apos;- &apos; on a line of its own: write each so, and reload</source>
+        <translation>In der Datei des Zeitplans beginnt ein Termin nicht mit &apos;- &apos; in einer eigenen Zeile: Schreiben Sie jeden so, und laden Sie neu</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/team_passwords.py"/>
+        <source>&apos;{team}&apos; cannot be added to {path}: it is no name of a team, or the file does not end with a line &apos;team: password&apos;</source>
+        <translation>&apos;{team}&apos; kann nicht in {path} eingetragen werden: Es ist kein Name eines Teams, oder die Datei endet nicht mit einer Zeile &apos;Team: Passwort&apos;</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/team_passwords.py"/>
+        <source>{path} cannot be read: {error}</source>
+        <translation>{path} kann nicht gelesen werden: {error}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/book.py"/>

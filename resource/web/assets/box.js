@@ -6,6 +6,7 @@ import {reasonsText, roleText} from "/assets/device.js";
 import {send} from "/assets/commands.js";
 import {Twice} from "/assets/buttons.js";
 import {Log} from "/assets/log.js";
+import {DayEdits} from "/assets/day.js";
 import {Devices} from "/assets/devices.js";
 import {Pairings} from "/assets/pairings.js";
 import {Facts, FinishedRun} from "/assets/runs.js";
@@ -93,7 +94,7 @@ function Filter({label, all, value, choices, set}) {
     </select></label>`;
 }
 
-function Schedule({data, texts, give}) {
+function Schedule({data, texts, give, session}) {
   const [wanted, setWanted] = useState({zone: ALL, team: ALL, day: ALL, show: ALL});
   const [chosen, setChosen] = useState("");
   const {events} = data;
@@ -110,6 +111,8 @@ function Schedule({data, texts, give}) {
     }
   };
   return html`
+    <div class=${session.role === "organiser" ? "columns beside" : ""}>
+    ${session.role === "organiser" && html`<${Pane} name=${texts.day_title}><${DayEdits} texts=${texts} revision=${events.map(({id, when, state}) => id + when + state).join()} /><//>`}
     <${Pane} name=${texts.part_schedule} more=${html`<p class="facts">${data.summary}${data.hidden > 0 && ` · ${texts.hidden.replace("{number}", () => data.hidden)}`}</p>`}>
     <div class="filters">
       ${zones.length > 1 && html`<${Filter} label=${texts.zone} all=${texts.all_zones} value=${wanted.zone} choices=${zones} set=${set("zone")} />`}
@@ -137,7 +140,7 @@ function Schedule({data, texts, give}) {
                 reasons=${event.off ? [event.off] : []} act=${() => choose(event)} />
             </div>`}
         </li>`;
-    })}</ul><//>`;
+    })}</ul><//></div>`;
 }
 
 function Robots({data, texts, session, zone, zones}) {

@@ -12,17 +12,31 @@ import os
 import stat
 import threading
 from dataclasses import replace
-from typing import Any, Callable, ContextManager, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import (
+    Any,
+    Callable,
+    ContextManager,
+    Dict,
+    Iterable,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+)
 
 from roah_rsbb.box import calls
 from roah_rsbb.core.box import Box
 from roah_rsbb.document.calls import Caller, InThread
-from roah_rsbb.ground import durable
+from roah_rsbb.ground import durable, installed
 from roah_rsbb.journal.log_dir import InForce, Texts, read_in_force, write_in_force
-from roah_rsbb.model.reason import Refused
-from roah_rsbb.rulebook import config, event_ids
+from roah_rsbb.model.reason import Refused, say
+from roah_rsbb.rulebook import config, day, event_ids, schedule_text
 from roah_rsbb.rulebook.benchmarks import Config, ZonePlan, teams_of
 from roah_rsbb.rulebook.changes import changes, warnings
+from roah_rsbb.rulebook.day import EventChange, PlannedSlot
 from roah_rsbb.rulebook.decisions import beside
 from roah_rsbb.rulebook.errors import CannotRead, ConfigErrors, known, read_bytes
 from roah_rsbb.rulebook.event_ids import EventKey
@@ -34,6 +48,15 @@ _SCHEDULE, _PASSWORDS, _STANDINGS, _DECISIONS = 1, 2, 3, 4
 MAX_READINGS = 5
 EDITED = ("The configuration files were changed since the box read them. It continues with what it read. To take the "
           "changes: 'rosrun roah_rsbb referee reload'")
+# Edits that can be undone: more than a day has.
+MAX_EDITS = 100
+SHIPPED = say("{path} is a part of the program, and is not written: the edit is kept in log_dir")
+BY_HAND = say("{path} was changed by hand, too. The edit is written there; what else was changed is in force after "
+              "'reload'")
+NOT_BY_HAND = say("{path} was changed by hand, and does not fit the edit, which is in force: it is not written. Enter "
+                  "it there, or 'reload' takes it back")
+NOT_WRITTEN = say("{path} cannot be written ({error}). The edit is in force, and is written with the next one or at "
+                  "the next start")
 # Seconds for the reload before, whose files may be on a disk that hangs.
 WAIT_S = 5.0
 BUSY = "another reload has not ended: its files do not answer. Check the disk or the network on which they are"
@@ -68,17 +91,24 @@ class Configuration:
         self.before: Tuple[ZonePlan, ...] = ()  # the schedule in force before this start, if another one is now
         self._versions: Dict[int, Texts] = {} if before is None else dict(before.versions)
         self.version = 0 if before is None else before.present
+        self.edits: Tuple[Mapping[str, Any], ...] = () if before is None else before.edits
+        """Of the schedule, the newest last, as JSON: `Edit`."""
+        self._unwritten = None if before is None else before.unwritten  # see `InForce`
         self.content = self._begin(before)
 
     def _begin(self, before: Optional[InForce]) -> Content:
         kept = None if before is None else before.versions[before.present]
         is_same = kept is not None and tuple(filter(None, kept.paths[:_DECISIONS])) == self._paths
-        if is_same and self._launch and before.launch == self._launch:
+        if kept is not None and is_same:
+            self.notices += filter(None, [self.write_schedule(kept.texts[_SCHEDULE], _schedule_of(kept))])
+        is_ahead = self._unwritten is not None and is_same and _read(self._paths).texts[_SCHEDULE] == self._unwritten
+        if is_ahead or (is_same and self._launch and before.launch == self._launch):
             content = _load_texts(kept)
             if content is not None:
-                if _without_passwords(_read(self._files())) != kept:
+                if not is_ahead and _without_passwords(_read(self._files())) != kept:
                     self.notices.append(EDITED)
                 return content
+        self._unwritten = None
         content = self.read()
         texts = _without_passwords(content.texts)
         if kept is not None and texts != kept:
@@ -109,6 +139,11 @@ class Configuration:
             return self._paths
         return (*self._paths, *[""] * (_DECISIONS - len(self._paths)), decisions)
 
+    @property
+    def passwords(self) -> str:
+        """The path of the passwords file."""
+        return self._paths[_PASSWORDS]
+
     def read_next(self, ran: Sequence[EventKey] = ()) -> Content:
         """Read the files again. Events without an id are known from the schedule in force, and from the events of all
         runs (`ran`). Raises ConfigErrors."""
@@ -121,6 +156,38 @@ class Configuration:
         if text is not None:
             texts[_SCHEDULE] = event_ids.written(text, content.config.zones)
         return content._replace(texts=content.texts._replace(texts=tuple(texts)))
+
+    def edited(self, changes: Sequence[EventChange], passwords: Optional[str] = None) -> Content:
+        """Return the content in force with changes of its schedule, and other `passwords`. Raises `Refused`, or
+        ConfigErrors."""
+        texts = self.content.texts if passwords is None else _with(self.content.texts, _PASSWORDS, passwords)
+        texts = _with(texts, _SCHEDULE, _edited_text(texts, changes, self.content.config.zones))
+        with _again(texts):
+            return _load(texts.paths, texts)
+
+    def write_schedule(self, text: Optional[str], zones: Sequence[ZonePlan]) -> str:
+        """Write the schedule in force into its file, if edits made it; the version before is kept. Returns what an
+        organiser must know; empty: nothing. If it is not possible, it is tried again with the next edit or start."""
+        if self._unwritten is None or text is None:
+            return ""
+        path = os.path.realpath(self._paths[_SCHEDULE])  # a link stays one
+        found, said = _read([path]).texts[0], ""
+        if found != text:
+            if installed.is_shipped(path):
+                return SHIPPED(path=path)
+            try:
+                if found != self._unwritten:
+                    changes = [change for edit in self.edits if not edit["written"] for change in changes_of(edit)]
+                    text, said = _edited_text(_read(self._files()), changes, zones), BY_HAND(path=path)
+                durable.replace_keeping(path, text.encode("utf-8"))
+            except (Refused, ConfigErrors):
+                return NOT_BY_HAND(path=path)
+            except OSError as error:
+                return NOT_WRITTEN(path=path, error=error.strerror)
+        self._unwritten, self.edits = None, tuple({**edit, "written": True} for edit in self.edits)
+        with contextlib.suppress(OSError):  # then it is written again
+            self._write()
+        return said
 
     def write_ids(self, before: Content, content: Content) -> str:
         """Write the schedule of a content with ids into its file. Returns why that is not possible; empty: done.
@@ -148,22 +215,35 @@ class Configuration:
         """Return what an organiser should know before a content is put into force. `ran`: the events of all runs."""
         return [*content.warnings, *warnings(self.content.config, content.config, ran)]
 
-    def keep(self, content: Content, in_use: Iterable[int]) -> int:
+    def keep(self, content: Content, in_use: Iterable[int], edits: Optional[Sequence[Mapping[str, Any]]] = None) -> int:
         """Keep a content as the next version, before it is put into force; returns its number. Raises OSError.
 
-        `in_use`: the versions that runs still need.
+        `in_use`: the versions that runs still need. `edits`: all, if the last one made this content of the one in
+        force.
         """
         needed = {self.version, *in_use}
-        before = self.version, self._versions
+        before = self.version, self._versions, self.edits, self._unwritten
+        if edits is None:
+            self._unwritten = None
+        else:
+            self.edits = tuple(edits[-MAX_EDITS:])
+            if self._unwritten is None:
+                self._unwritten = self.content.texts.texts[_SCHEDULE]
         self.version += 1
         self._versions = {number: texts for number, texts in self._versions.items() if number in needed}
         self._versions[self.version] = _without_passwords(content.texts)
         try:
             self._write()
         except OSError:
-            self.version, self._versions = before
+            self.version, self._versions, self.edits, self._unwritten = before
             raise
         return self.version
+
+    def keep_edits(self, edits: Sequence[Mapping[str, Any]]) -> None:
+        """Keep edits of which the last one changed no event. One that is lost changed none."""
+        self.edits = tuple(edits[-MAX_EDITS:])
+        with contextlib.suppress(OSError):
+            self._write()
 
     def put_back(self, version: int) -> None:
         """Return to an earlier version, because the last one could not be put into force. Raises OSError."""
@@ -178,7 +258,31 @@ class Configuration:
         return {number: content.config for number, content in found.items() if content is not None}
 
     def _write(self) -> None:
-        write_in_force(self._log_dir, InForce(self._launch, self.version, self._versions))
+        write_in_force(self._log_dir, InForce(
+            self._launch, self.version, self._versions, self.edits, self._unwritten))
+
+
+def changes_of(edit: Mapping[str, Any]) -> List[EventChange]:
+    """Return the changes of an edit."""
+    return [EventChange(event, *(None if slot is None else PlannedSlot(*slot) for slot in slots))
+            for event, *slots in edit["changes"]]
+
+
+def _edited_text(texts: Texts, changes: Sequence[EventChange], before: Sequence[ZonePlan]) -> str:
+    """Return the schedule in texts with changes. Events without an id have those that they have in `before`. Raises
+    `Refused`, or ConfigErrors."""
+    with _again(texts):
+        zones = event_ids.adopted(config.load_schedule(*texts.paths[:_PASSWORDS])[1], before)
+    found = schedule_text.changed(event_ids.written(texts.texts[_SCHEDULE] or "", zones), changes)
+    after = _with(texts, _SCHEDULE, found)
+    with _again(after):
+        if day.slots(config.load_schedule(*after.paths[:_PASSWORDS])[1]) != day.applied(day.slots(zones), changes):
+            raise Refused([schedule_text.NOT_BY_LINE])
+    return found
+
+
+def _with(texts: Texts, place: int, text: Optional[str]) -> Texts:
+    return texts._replace(texts=(*texts.texts[:place], text, *texts.texts[place + 1:]))
 
 
 def _read(paths: Sequence[str]) -> Texts:
@@ -198,7 +302,7 @@ def _known_from(content: Content, before: Config, ran: Sequence[EventKey]) -> Co
 
 
 def _without_passwords(texts: Texts) -> Texts:
-    return texts._replace(texts=(*texts.texts[:_PASSWORDS], None, *texts.texts[_PASSWORDS + 1:]))
+    return _with(texts, _PASSWORDS, None)
 
 
 def _load(paths: Sequence[str], texts: Texts) -> Content:
@@ -274,10 +378,19 @@ class Reloads:
     def reload(self, digest: str, who: str, for_all: bool = False) -> Reloaded:
         """Check the files, or apply what was listed with this digest: for all runs, or from now on. Call it in another
         thread than the loop's."""
-        if not self._lock.acquire(timeout=WAIT_S):
-            return Reloaded(errors=[BUSY])
         try:
-            return self._reload(digest, who, for_all)
+            with self.alone():
+                return self._reload(digest, who, for_all)
+        except Refused as busy:
+            return Reloaded(errors=busy.reasons)
+
+    @contextlib.contextmanager
+    def alone(self) -> Iterator[None]:
+        """Let no other reload or edit begin. Raises `Refused`."""
+        if not self._lock.acquire(timeout=WAIT_S):
+            raise Refused([BUSY])
+        try:
+            yield
         finally:
             self._lock.release()
 
@@ -298,26 +411,28 @@ class Reloads:
         if not digest or digest != content.digest:
             return found._replace(errors=[CHANGED_AGAIN] if digest else [])
         with_ids = self._configuration.with_ids(content)
-        errors = self._apply(with_ids, changes, who, runs if for_all else None)
+        errors = self.apply(with_ids, changes, who, runs if for_all else None)
         trouble = "" if errors else self._configuration.write_ids(content, with_ids)
         return found._replace(errors=errors, applied=not errors,
                               warnings=[*found.warnings, *([trouble] if trouble else [])])
 
-    def _apply(
-        self, content: Content, changes: List[str], who: str, runs: Optional[Sequence[Any]]
+    def apply(
+        self, content: Content, changes: List[str], who: str, runs: Optional[Sequence[Any]] = None,
+        edits: Optional[Sequence[Mapping[str, Any]]] = None,
     ) -> List[str]:
-        """Put a content into force; returns why that is not possible. `runs`: see `Reload.take`."""
+        """Put a content into force; returns why that is not possible. `runs`: see `Reload.take`; `edits`: see
+        `Configuration.keep`."""
         if not changes and runs is None:
             return []
-        before = self._configuration.version
+        before, edit = self._configuration.version, None if edits is None else edits[-1]
         try:
-            version = self._configuration.keep(content, self._in_loop(self._versions_in_use))
+            version = self._configuration.keep(content, self._in_loop(self._versions_in_use), edits)
         except OSError as error:
             return [f"the configuration cannot be kept in log_dir: {error.strerror}. Free or repair the disk"]
 
         def act() -> None:
             self._use(content.config, version)
-            self._event(self._box.reload.take, content.config, version, changes, who, runs)
+            self._event(self._box.reload.take, content.config, version, changes, who, runs, edit)
             self._configuration.content = content
 
         try:

@@ -12,6 +12,7 @@ from roah_rsbb.core.authority import Authority
 from roah_rsbb.core.connections import Candidates, Connections
 from roah_rsbb.core.continuing import Reload, Restart
 from roah_rsbb.core.copies import Copies
+from roah_rsbb.core.day import DayDesk
 from roah_rsbb.core.desks import CommandRecord, JudgeDesk, ModuleDesk, ScoreDesk
 from roah_rsbb.core.devices import ReportedDevices
 from roah_rsbb.core.effects import Outbox
@@ -76,6 +77,7 @@ class Box:
         self.actions = Actions(self.candidates, connections, self.scores, zones, record, authority, outbox)
         self.judges = JudgeDesk(self.scores, outbox)
         self.modules = ModuleDesk(timers.tick, zones, modules, authority)
+        self.day = DayDesk(timers, zones, finished, connections, record)
         self.entries = Entries(zones, self.scores, self.judges, record)
         self.arrivals = Arrivals(settings, timers, zones, robots, heard, tablet, watches, connections, outbox)
         timers.parts = (self.modules, connections)

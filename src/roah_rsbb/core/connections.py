@@ -10,7 +10,20 @@ opened, it is tried again.
 """
 
 import functools
-from typing import Callable, Container, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import (
+    Callable,
+    Container,
+    Dict,
+    Iterable,
+    Iterator,
+    List,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+    Union,
+)
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.copies import Copies
@@ -30,7 +43,7 @@ from roah_rsbb.core.zones import Zone, Zones, ZoneState
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import Beacon, BenchmarkingRobot, DevicesState, TabletState
 from roah_rsbb.model.reason import cut_note, joined, say
-from roah_rsbb.model.records import NOBODY, By, Phase, RunRecord
+from roah_rsbb.model.records import NOBODY, By, EndReason, Phase, RunRecord
 from roah_rsbb.protocol import WireTime
 from roah_rsbb.rulebook.registry import TABLET, BenchmarkKind
 from roah_rsbb.scoring.book import FinishedRuns
@@ -136,9 +149,26 @@ class Connections:
         assert run is not None, "disconnect was checked before"
         run.close(now, by)
         self._finished.add(run.record(now))
-        zone.leave(self._settings.auto_next, lambda: {
-            place for name, place in self._zones.over(self._finished.records()) if name == zone.name})
+        zone.leave(self._settings.auto_next, lambda: self._over(zone))
         self._outbox.emit(effects.SendBeacon())
+
+    def withdraw(self, now: Now, zone: Zone, place: int, by: By) -> None:
+        """Record that the team of an event of a zone withdrew, whatever run the zone has."""
+        if place == zone.index:
+            run = zone.run or self.open_sheet(now, zone)
+            run.give_up(now, EndReason.WITHDRAWN, by)
+            self.leave(now, zone, by)
+            return
+        self._last_port += 1
+        self._outbox.emit(effects.PortTaken(self._last_port))
+        away = HandRun(now, zone.name, zone.events[place], self._context(zone.name), self._last_port)
+        away.open(now)
+        away.give_up(now, EndReason.WITHDRAWN, by)
+        away.close(now, by)
+        self._finished.add(away.record(now))
+
+    def _over(self, zone: Zone) -> Set[int]:
+        return {place for name, place in self._zones.over(self._finished.records()) if name == zone.name}
 
     def on_failed(self, now: Now, port: int, error: str) -> None:
         """Take the next port if the channel on `port` could not be opened, or give up this robot's run."""

@@ -17,7 +17,7 @@ says what becomes of them.
 """
 
 from types import MappingProxyType
-from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.authority import Authority
@@ -268,10 +268,11 @@ class Reload:
 
     def take(
         self, now: Now, config: Config, version: int, changes: Sequence[str], who: str = "",
-        found: Optional[Sequence[Rescored]] = None
+        found: Optional[Sequence[Rescored]] = None, edit: Optional[Mapping[str, Any]] = None,
     ) -> None:
         """Put a configuration into force. `changes` lists what it changes; `found`: the runs that are over are scored
-        by its sheets, too, as these are; None: they keep theirs. Raises `Refused`."""
+        by its sheets, too, as these are; None: they keep theirs. `edit`: what an organiser did to the schedule of the
+        day, for the journal. Raises `Refused`."""
         self._timers.tick(now)
         reasons = self.off(config)
         if reasons:
@@ -282,7 +283,7 @@ class Reload:
         runs = [] if found is None else self._as_now(found, config)
         if any(run.before.sign_off is not None for run in runs) and sheets.person(who) in ("", sheets.NO_NAME):
             raise Refused([NO_SIGNER])
-        value = {"version": version, "changes": recorded}
+        value = {"version": version, "changes": recorded, **({} if edit is None else {"edit": dict(edit)})}
         self._outbox.emit(effects.Recorded("", "", None, "reload", value, checked_who(who)))
         self._robots.use_teams(config.passwords)
         self._finished.use(config.benchmarks, config.ranking)
@@ -300,7 +301,8 @@ class Reload:
             if zone.run is not None and zone.event not in zone.planned:
                 self._outbox.notice(Level.INFO, "The configuration was changed. This run keeps what it began with",
                                     zone.name)
-        self._outbox.notice(Level.INFO, f"The configuration was changed ({len(changes)} changes)")
+        if edit is None:
+            self._outbox.notice(Level.INFO, f"The configuration was changed ({len(changes)} changes)")
 
     def _as_now(self, found: Sequence[Rescored], config: Config) -> List[Rescored]:
         """Return the runs scored by the sheets of a configuration: those that changed since they were found, again."""

@@ -14,6 +14,7 @@ HELPER = "helper"  # the face of a program that only calls and offers calls: it 
 # reports, what the standby has, the box's question, and STOPs that are not in the journal yet.
 COPY_REPORT, COPIED, COPY, STOPPED = "copy_report", "copied", "copy", "stopped"
 EXIT = "exit"  # ends the box
+EDIT, EDITS = "edit", "edits"  # of the schedule of the day: looks at one, or does it; lists them
 # Those of the home devices (docs/door.md, "Calls of the home devices").
 DEVICES, SET_DEVICE = "devices", "set_device"
 # What can be set beside `protocol.SWITCHES` and `PERCENTAGES`: the door and window detector, and a ring of the bell.

@@ -4,12 +4,14 @@ import contextlib
 import errno
 import os
 import shutil
+import stat
 
 # Only the owner may read the file.
 PRIVATE = 0o600
 # As the user's umask says.
 USUAL = 0o666
 SPACE_BYTES = 1 << 19
+KEPT = 9  # versions of a file that was replaced
 # Others may not read the files of log_dir; its group may.
 _UMASK = 0o027
 
@@ -31,6 +33,22 @@ def write_file(path: str, content: bytes, mode: int = PRIVATE) -> None:
         os.fsync(file.fileno())
     os.replace(draft, path)
     sync(os.path.dirname(path) or ".")
+
+
+def replace_keeping(path: str, content: bytes, versions: int = KEPT) -> bool:
+    """Write a file as `write_file` does, with the permissions that it has, and keep so many versions before: beside
+    it, with ~, ~2 and so on behind the name. Returns whether it was another one. Raises OSError."""
+    with open(path, "rb") as file:
+        before, mode = file.read(), stat.S_IMODE(os.fstat(file.fileno()).st_mode)
+    if before == content:
+        return False
+    for number in range(versions - 1, 0, -1):
+        with contextlib.suppress(FileNotFoundError):
+            os.replace(f"{path}~{number if number > 1 else ''}", f"{path}~{number + 1}")
+    if versions:
+        write_file(f"{path}~", before, mode)
+    write_file(path, content, mode)
+    return True
 
 
 def has_space(folder: str, size: int = 0) -> bool:

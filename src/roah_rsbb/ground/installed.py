@@ -28,6 +28,14 @@ def shipped_folder() -> pathlib.Path:
     return shipped_file("config/benchmarks.yaml").parent
 
 
+def is_shipped(path: str) -> bool:
+    """Whether a file is a part of the program, which nobody but its installation writes."""
+    try:
+        return shipped_folder().resolve() in pathlib.Path(path).resolve().parents
+    except NotShipped:
+        return False
+
+
 def pages_folder() -> Optional[pathlib.Path]:
     """The folder with docs/, whose pages the findings name. None: the pages are not installed."""
     places = (*_PLACES, pathlib.Path("/usr/share/doc/roah-rsbb"))

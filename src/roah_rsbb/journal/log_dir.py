@@ -9,7 +9,7 @@ import json
 import os
 import threading
 import time
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from roah_rsbb.ground import durable, linux
 from roah_rsbb.journal.contents import DAMAGED, Contents, Opened, no_journal, open_journal
@@ -353,6 +353,8 @@ class InForce(NamedTuple):
     launch: str  # the launch in which the present version was read
     present: int
     versions: Dict[int, Texts]
+    edits: Tuple[Mapping[str, Any], ...] = ()  # of the schedule while the box ran, the newest last: JSON
+    unwritten: Optional[str] = None  # the text of the schedule file without the edits that it lacks; None: it has all
 
 
 def read_in_force(log_dir: str) -> Optional[InForce]:
@@ -363,7 +365,9 @@ def read_in_force(log_dir: str) -> Optional[InForce]:
         versions = {int(number): Texts(tuple(map(str, paths)), tuple(None if t is None else str(t) for t in texts))
                     for number, (paths, texts) in found["versions"].items()}
         present = int(found["present"])
-        return InForce(str(found["launch"]), present, versions) if present in versions else None
+        edits, unwritten = tuple(map(dict, found.get("edits", ()))), found.get("unwritten")
+        return InForce(str(found["launch"]), present, versions, edits,
+                       None if unwritten is None else str(unwritten)) if present in versions else None
     except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return None
 
@@ -381,5 +385,5 @@ def kept_files(log_dir: str, version: Optional[int] = None) -> Dict[str, str]:
 def write_in_force(log_dir: str, what: InForce) -> None:
     """Replace the file, and wait until it is on the disk. Raises OSError, and the old file stays."""
     os.makedirs(log_dir, exist_ok=True)
-    text = json.dumps({"launch": what.launch, "present": what.present, "versions": what.versions})
+    text = json.dumps(what._asdict())
     durable.write_file(os.path.join(log_dir, CONFIGURATION), text.encode("utf-8"), durable.USUAL)

@@ -9,7 +9,7 @@ import enum
 from dataclasses import dataclass
 from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.model.fields import Confirmed, EventId, Field, Fixed, Number, Robot, Team, Toggle, TypedText
+from roah_rsbb.model.fields import Confirmed, EventId, Field, Fixed, Number, OfSchedule, Robot, Team, Toggle, TypedText
 from roah_rsbb.model.reason import Reason, Said, Template, say
 
 # Roles of persons, which paired devices have: what each may do is `Action.roles`, and `STOPS` and `READS` below.
@@ -207,6 +207,39 @@ _ENTRIES = (
 )
 ENTRIES: Dict[str, Action] = {action.name: action for action in _ENTRIES}
 EVERY: Dict[str, Action] = {**ACTIONS, **ENTRIES}
+# What an organiser does to the schedule of the day: first shown, then done (`box/day_edits.py`).
+_ZONE, _AN_EVENT = OfSchedule("zone", say("Zone"), of="zone"), OfSchedule("event", say("Event"), of="event")
+_OTHER_ZONE = OfSchedule("zone", say("To zone"), required=False, of="zone")
+_AT = TypedText("time", say("To time"), required=False)
+_WHY = TypedText("reason", _REASON, required=False)
+WITHDRAW_TEAM, UNDO = "withdraw_team", "undo"
+_EDITS = (
+    Action("shift", say("A zone is late"),
+           say("Shift the events of a zone that are to come today, by minutes such as 40, or so that the next one "
+               "begins at a time such as 14:20"),
+           (_ZONE, TypedText("time", say("Minutes, or time")), _WHY)),
+    Action("swap", say("Swap two events"), say("Two events exchange their times and zones"),
+           (_AN_EVENT, OfSchedule("other", say("Other event"), of="event"), _WHY)),
+    Action("move", say("Move an event"),
+           say("To a time such as 14:20, a day such as 2026-11-30, both, or another zone"),
+           (_AN_EVENT, _AT, _OTHER_ZONE, _WHY)),
+    Action("insert", say("Add an event"), say("A new event of a team, at a time such as 14:20"),
+           (_ZONE, OfSchedule("benchmark", say("Benchmark"), of="benchmark"),
+            OfSchedule("team", _TEAM, of="team"), TypedText("time", say("Time")), _WHY)),
+    Action("remove", say("Remove an event"), say("It will not take place"), (_AN_EVENT, _WHY)),
+    Action("repeat", say("Repeat an event"),
+           say("The team gets the same event again, after the last one of the zone or at a time such as 14:20"),
+           (_AN_EVENT, _AT, _OTHER_ZONE, _WHY)),
+    Action(WITHDRAW_TEAM, say("A team withdraws"), say("From all events to come, those of a day, or one"),
+           (OfSchedule("team", _TEAM, of="team"), OfSchedule("day", say("Only this day"), required=False, of="day"),
+            OfSchedule("event", say("Only this event"), required=False, of="event"), _WHY)),
+    Action("add_team", say("A late team"),
+           say("With a password, and an event for each benchmark and round that other teams do from today on"),
+           (TypedText("team", say("Name that its robot announces"), characters=100), _WHY)),
+    Action(UNDO, say("Undo"), say("Put the events of an edit back, if nobody changed them since"),
+           (Number("number", _NUMBER, low=1), _WHY)),
+)
+EDITS: Dict[str, Action] = {action.name: action for action in _EDITS}
 
 
 def allowed(role: str) -> List[str]:

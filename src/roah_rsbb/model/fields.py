@@ -274,9 +274,19 @@ class EventId(Field):
     kind: ClassVar[str] = "event"
 
 
+@dataclass(frozen=True)
+class OfSchedule(Field):
+    """Something of the schedule that a face lets somebody choose. `of`: zone, event (its id), team, benchmark, day."""
+
+    of: str = ""
+
+    kind: ClassVar[str] = "of_schedule"
+
+
 # What a module may ask for.
 ASKED = (Toggle, Number, Decimal, Choice, TypedText, TypedPose)
-_KINDS: Dict[str, Type[Field]] = {kind.kind: kind for kind in (Field, Fixed, Confirmed, Robot, Team, EventId, *ASKED)}
+_KINDS: Dict[str, Type[Field]] = {kind.kind: kind for kind in (
+    Field, Fixed, Confirmed, Robot, Team, EventId, OfSchedule, *ASKED)}
 
 
 def field_of(form: Mapping[str, Any]) -> Field:

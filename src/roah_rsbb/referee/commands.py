@@ -10,7 +10,7 @@ from roah_rsbb.model.actions import ACTIONS, AGAIN, confirmed_by
 from roah_rsbb.model.reason import Refused
 from roah_rsbb.model.scoring import Entered
 from roah_rsbb.model.zone import CONNECTED, IDLE, RUNNING, SheetItem
-from roah_rsbb.referee import organiser, sheets, terminal, view
+from roah_rsbb.referee import day, organiser, sheets, terminal, view
 from roah_rsbb.referee.at_once import ALL_OPTION, Exit, NoCore
 from roah_rsbb.referee.run import Operations, RunScript, ScriptOutcome, ScriptPlan
 from roah_rsbb.referee.state import (
@@ -233,7 +233,7 @@ def _show_outcome(name: str, outcome: ScriptOutcome, output: Output) -> None:
 COMMANDS: Dict[str, TypedCommand] = {
     **_OF_BOX,
     **{action.words: terminal.of_action(action, _act) for action in ACTIONS.values() if action.name not in PLACED},
-    **_OF_ZONE, **sheets.COMMANDS, **organiser.COMMANDS,
+    **_OF_ZONE, **sheets.COMMANDS, **organiser.COMMANDS, **day.COMMANDS,
 }
 
 

@@ -6,12 +6,13 @@ from concurrent.futures import Future
 from typing import Any, Dict, NamedTuple, Protocol, Tuple
 
 from roah_rsbb.client.client import Answer
-from roah_rsbb.document.calls import DEVICES, SET_DEVICE
+from roah_rsbb.document.calls import DEVICES, EDIT, EDITS, SET_DEVICE
 from roah_rsbb.model import fields as model_fields
 from roah_rsbb.model.actions import EVERY, JUDGE, JUDGES, MARK, ORGANISER, READS, STOP, Action
 from roah_rsbb.model.as_json import from_json
 from roah_rsbb.model.messages import DevicesSeen
 from roah_rsbb.model.results import JudgedRun, RunSheet
+from roah_rsbb.web.day_page import effect_page, forms_page
 from roah_rsbb.web.device_documents import devices_page, own_sheet, side_by_side, whole_sheet_page
 from roah_rsbb.web.numbered import BoxShown
 from roah_rsbb.web.own_pages import FromOwnPage
@@ -37,7 +38,8 @@ FIELDS: Dict[str, Dict[str, type]] = {
 }
 # Those for the whole box, which only an organiser may give.
 OF_BOX: Dict[str, Dict[str, type]] = {
-    "reload": {"digest": str, "for_all": bool}, "exit": {"anyway": bool}, DEVICES: {},
+    "reload": {"digest": str, "for_all": bool}, "exit": {"anyway": bool}, DEVICES: {}, EDITS: {},
+    EDIT: {"action": str, "seen": str, "given": dict},
     SET_DEVICE: {"device": str, "value": int}}
 SHEET = "sheet"
 # What is asked of the judges of a run: its answer depends on the role.
@@ -78,7 +80,8 @@ def command_of(name: str, body: Dict[str, Any], session: DeviceSession) -> Comma
         value = body.get(field, kind())
         if type(value) is not kind:  # true is no number
             raise BadCommand(f"{field} has the wrong type")
-        if (len(value) > MAX_TEXT) if kind is str else not -_MAX_WHOLE <= value <= _MAX_WHOLE:
+        if kind is not dict and (
+                (len(value) > MAX_TEXT) if kind is str else not -_MAX_WHOLE <= value <= _MAX_WHOLE):
             raise BadCommand(f"{field} is too long" if kind is str else f"{field} is too large")
         if kind is str and not model_fields.is_encodable(value):
             raise BadCommand(f"{field} is no text")
@@ -226,13 +229,17 @@ async def carried_out(
             return 504, {"reasons": reasons or [tr(device.NO_ANSWER)]}
         if reasons:
             return 409 if outcome.is_confirmed else 202, {"reasons": reasons}
-        return 200, _shown(command, outcome.result, server.desk.box.now().utc)
+        return 200, _shown(command, outcome.result, server.desk.box)
 
 
-def _shown(command: Command, result: Any, now_s: float) -> Dict[str, Any]:
+def _shown(command: Command, result: Any, box: BoxShown) -> Dict[str, Any]:
     """Return what the device may see of the result of a command."""
     if command.name == DEVICES:
-        return devices_page(result, now_s)
+        return devices_page(result, box.now().utc)
+    if command.name == EDITS and box.document is not None:
+        return forms_page(box.document, result)
+    if command.name == EDIT:
+        return effect_page(result)
     if command.name == SHEET:
         return whole_sheet_page(result)
     if command.name == JUDGING:

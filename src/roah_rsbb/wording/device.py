@@ -91,6 +91,11 @@ def page_words() -> Dict[str, Any]:
             still_connected="The run is still connected. Disconnect it first.", shown_text="Text", search="Search",
             matches="{number} lines", online="Online Data", no_log="Nothing has been logged yet",
             no_online="No online data from the robot yet", tablet="Tablet", no_tablet="The tablet was never heard",
+            day_title="Change the day", day_what="What happens", day_how=(
+                "Shift a late zone, swap, move or add events, withdraw a team. The effect is shown before anything "
+                "changes."),
+            show_effect="Show the effect", do_it="Do it", effect="This would change:", edits="Changes so far",
+            no_edits="Nothing was changed yet.", undone="undone",
             reload="Reload", reload_title=whole_box.RELOAD, apply="Apply", reload_errors=whole_box.RELOAD_ERRORS,
             reload_apply=whole_box.RELOAD_APPLY, reload_same=whole_box.RELOAD_SAME,
             reload_rescored=whole_box.RELOAD_RESCORED, reload_for_all=whole_box.RELOAD_FOR_ALL,

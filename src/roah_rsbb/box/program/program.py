@@ -22,6 +22,7 @@ from typing import Any, BinaryIO, Callable, Coroutine, List, Optional, Sequence
 
 from roah_rsbb.box.calls import BoxCalls, Disks, exit_call
 from roah_rsbb.box.configuration import Configuration, Reloads
+from roah_rsbb.box.day_edits import DayEdits
 from roah_rsbb.box.door import BoxDoor
 from roah_rsbb.box.game import BoxPlace, Game, Machine, Outputs
 from roah_rsbb.box.parameters import BoxParameters, parameters_of
@@ -154,9 +155,11 @@ class BoxProgram:
             game.journal.ticket, game.store.why_not_saved, game.standby.ask, game.why_not_recorded))
         reload = Reloads(
             self.box, self._configuration, lambda function: call_in_loop(loop, function), self.event, game.use)
+        edits = DayEdits(self.box, self._configuration, reload, lambda function: call_in_loop(loop, function),
+                         self.event, game.now)
         self.door = BoxDoor(
             loop, self.box, self.uuid, params.network.rsbb_host, game.now, lambda: game.run_logs.files, game.unsaved,
-            {**self.calls.named(), "reload": reload.call}, game.fence.check, params.publicity)
+            {**self.calls.named(), "reload": reload.call, **edits.named()}, game.fence.check, params.publicity)
         game.on_changed = self.door.changed
         self._copies = CopyCalls(self.uuid, game, self.door)
         self.door.add_calls(self._copies.named())

@@ -9,12 +9,13 @@ from roah_rsbb.bmbox.framework.rule_files import file_in, load_tried, modules, o
 from roah_rsbb.bmbox.host import ground_truth_of_frames
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, Durable, ScheduledEvent, teams_of
+from roah_rsbb.rulebook.day import clashes, planned_s
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, arguments, elements, listing, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.rulebook.sheet_check import findings
 from roah_rsbb.rulebook.standing_rules import read_rules
 from roah_rsbb.tools.competition import files
-from roah_rsbb.tools.competition.plan import local_zone, planned_s
+from roah_rsbb.tools.competition.plan import local_zone
 from roah_rsbb.tools.competition.rulebooks import STANDINGS
 from roah_rsbb.wording import times
 from roah_rsbb.wording.texts import did_you_mean
@@ -97,20 +98,13 @@ def _check_times(report: Report, path: str, loaded: Config) -> None:
     whole = Place(path, 0, 0)
     by_zone: Dict[str, List[str]] = {}
     by_team: Dict[str, List[str]] = {}
-    last_in_zone: Dict[str, ScheduledEvent] = {}
-    last_of_team: Dict[str, Tuple[str, ScheduledEvent]] = {}
-    for zone, event in _events(loaded):
-        before = last_in_zone.get(zone)
-        if before is not None and event.scheduled < before.scheduled + planned_s(before.benchmark):
-            by_zone.setdefault(zone, []).append(f"{_name(event)} before the end of {_name(before)}")
-        last_in_zone[zone] = event
-        for team, (other, busy) in last_of_team.items():
-            together = team == event.team or ALL_TEAMS in (team, event.team)
-            if together and other != zone and event.scheduled < busy.scheduled + planned_s(busy.benchmark):
-                who = event.team if team == ALL_TEAMS else team
-                by_team.setdefault(who, []).append(f"{_name(event)} in zone {quote(zone)} and {_name(busy)} in zone "
-                                                   f"{quote(other)}")
-        last_of_team[event.team] = (zone, event)
+    for clash in clashes(loaded.zones):
+        (other, busy), (zone, event) = clash.first, clash.second
+        if clash.zone:
+            by_zone.setdefault(zone, []).append(f"{_name(event)} before the end of {_name(busy)}")
+        else:
+            by_team.setdefault(clash.team, []).append(
+                f"{_name(event)} in zone {quote(zone)} and {_name(busy)} in zone {quote(other)}")
     for zone, found in by_zone.items():
         report.warn(whole, f"zone {quote(zone)}: too little time between runs: {_few(found)}")
     for team, found in by_team.items():

@@ -1,34 +1,25 @@
 """The files of a competition's folder: their texts, and writing all of them or none."""
 
 import contextlib
-import filecmp
 import os
-import re
-import secrets
-import string
 from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set
 from xml.sax.saxutils import quoteattr
-
-import yaml
 
 from roah_rsbb.bmbox.framework.rule_files import own_file
 from roah_rsbb.bmbox.host.ground_truth_of_frames import FILE_NAME as GROUND_TRUTH
 from roah_rsbb.core.connections import PORTS
+from roah_rsbb.ground import durable
+from roah_rsbb.ground.durable import KEPT
 from roah_rsbb.rulebook.benchmarks import Benchmark, Durable
-from roah_rsbb.rulebook.config import PasswordsFile, settings_in
+from roah_rsbb.rulebook.config import settings_in
 from roah_rsbb.rulebook.decisions import DECISIONS, decided_in
 from roah_rsbb.rulebook.errors import Report, known
 from roah_rsbb.rulebook.event_ids import new_id
 from roah_rsbb.rulebook.registry import BELL, DEVICES, TABLET, BenchmarkKind
+from roah_rsbb.rulebook.schedule_text import yaml_text
+from roah_rsbb.rulebook.team_passwords import lines_of, new_password
 from roah_rsbb.tools.competition.plan import Plan, PlannedRun, PlannedZone, VenueClock
 from roah_rsbb.tools.competition.rulebooks import BENCHMARKS, STANDINGS, Rulebook, benchmarks_text, standings_text
-
-# Without letters that look alike on paper.
-_LETTERS = "".join(c for c in string.ascii_letters if c not in "lIoO")
-_FURTHER = _LETTERS + "23456789"
-_PASSWORD_LENGTH = 16
-# Text that needs no quotes in YAML, also in `{a: b}`.
-_PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_]+(?:[ /-][A-Za-z0-9_]+)*")
 
 _PASSWORDS = """\
 # Passwords of the teams, randomly generated for this competition. Keep this file secret (chmod 600) and out of any
@@ -44,26 +35,9 @@ _LAUNCH = """\
 """
 
 
-def new_password() -> str:
-    """Generate a random password that needs no quotes in YAML, shells and launch files."""
-    return secrets.choice(_LETTERS) + "".join(secrets.choice(_FURTHER) for _ in range(_PASSWORD_LENGTH - 1))
-
-
-def yaml_text(text: str) -> str:
-    """Format a text of one line as YAML."""
-    if _PLAIN.fullmatch(text) and isinstance(yaml.safe_load(text), str):
-        return text
-    return "'" + text.replace("'", "''") + "'"
-
-
 def passwords_text(passwords: Dict[str, str]) -> str:
     """The passwords file; `passwords` by team."""
-    return "\n".join([_PASSWORDS, *passwords_lines(passwords), ""])
-
-
-def passwords_lines(passwords: Dict[str, str]) -> List[str]:
-    """The line of each team."""
-    return [f"{yaml_text(team)}: {yaml_text(password)}" for team, password in passwords.items()]
+    return "\n".join([_PASSWORDS, *lines_of(passwords), ""])
 
 
 def schedule_text(
@@ -159,8 +133,6 @@ LAUNCH = "competition.launch"
 FIREWALL = "firewall.nft"
 RSBB_PORT = 6666  # roah_rsbb.launch's
 MODULES = "modules"
-_BEFORE = SCHEDULE + "~"
-_KEPT = 9  # schedules that were replaced: schedule.yaml~, schedule.yaml~2 and so on
 
 
 class CannotWriteFiles(Exception):
@@ -243,38 +215,22 @@ def write_schedule(directory: str, book: Rulebook, zones: Sequence[PlannedZone],
 
     The ones before are kept, too, with numbers: what was made by hand before several imports is not lost.
     """
-    path, before = os.path.join(directory, SCHEDULE), os.path.join(directory, _BEFORE)
-    with writing(directory):
-        text = schedule_text(_text(book, SCHEDULE), zones, clock, settings_in(path).durable)
-        new = path + ".new"
-        with contextlib.suppress(FileNotFoundError):
-            os.unlink(new)
-        _write(new, text, private=False)
-        kept = os.path.exists(path) and not filecmp.cmp(path, new, shallow=False)
-        if kept:
-            for number in range(_KEPT - 1, 0, -1):
-                with contextlib.suppress(FileNotFoundError):
-                    os.replace(before + (str(number) if number > 1 else ""), f"{before}{number + 1}")
-            os.replace(path, before)
-        os.replace(new, path)
-    return before if kept else ""
+    path = os.path.join(directory, SCHEDULE)
+    text = schedule_text(_text(book, SCHEDULE), zones, clock, settings_in(path).durable)
+    if not os.path.exists(path):
+        with writing(directory):
+            _write(path, text, private=False)
+        return ""
+    return replace(directory, SCHEDULE, text)
 
 
-def add_password(directory: str, team: str) -> None:
-    """Add a line with a randomly generated password to the passwords file; raises `CannotWriteFiles`."""
-    path = os.path.join(directory, PASSWORDS)
-    new = path + ".new"
+def replace(directory: str, name: str, text: str, versions: int = KEPT) -> str:
+    """Write a file of a competition, and keep so many before; returns the path of the newest of these, or "" if it is
+    the same one. Raises `CannotWriteFiles`."""
+    path = os.path.join(directory, name)
     with writing(directory):
-        with open(path, encoding="utf-8") as file:
-            text = file.read()
-        line = passwords_lines({team: new_password()})[0]
-        with contextlib.suppress(FileNotFoundError):
-            os.unlink(new)
-        _write(new, text + ("" if text.endswith("\n") else "\n") + line + "\n", private=True)
-        if team not in PasswordsFile(new, Report()).by_team:
-            os.unlink(new)
-            raise CannotWriteFiles(f"{path} does not end with a line 'team: password': add a line for {team} yourself")
-        os.replace(new, path)
+        is_new = durable.replace_keeping(path, text.encode("utf-8"), versions)
+    return f"{path}~" if is_new else ""
 
 
 def _text(book: Rulebook, name: str) -> str:

@@ -12,12 +12,17 @@ from typing import Callable, Dict, List, Optional, Sequence, Set, Tuple
 from roah_rsbb.ground.arguments import Parser, called, is_without_ros
 from roah_rsbb.ground.installed import shipped_folder
 from roah_rsbb.journal.reader import JournalError, JournalReader, journal_in
+from roah_rsbb.model.reason import Refused
 from roah_rsbb.results.runs import records
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ZonePlan
 from roah_rsbb.rulebook.config import BenchmarksFile, PasswordsFile
+from roah_rsbb.rulebook.day import EventChange, late_team, planned_s
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, listing, quote
+from roah_rsbb.rulebook.event_ids import new_id, written
 from roah_rsbb.rulebook.registry import BenchmarkKind
+from roah_rsbb.rulebook.schedule_text import changed
+from roah_rsbb.rulebook.team_passwords import with_team
 from roah_rsbb.scoring.counting import with_events
 from roah_rsbb.tools.competition import answers, certificate, files, rulebooks
 from roah_rsbb.tools.competition.answers import Missing, known_answers, questions
@@ -28,10 +33,8 @@ from roah_rsbb.tools.competition.plan import (
     PlannedDay,
     VenueClock,
     days_of,
-    late_runs,
     local_zone,
     planned,
-    planned_s,
     read_clock,
     timetable,
     with_other_days,
@@ -39,6 +42,7 @@ from roah_rsbb.tools.competition.plan import (
 from roah_rsbb.tools.competition.rulebooks import Rulebook, read_rulebook
 from roah_rsbb.tools.competition.sheet import OPTIONAL, REQUIRED, Known, read_sheet
 from roah_rsbb.tools.ports import interfaces
+from roah_rsbb.wording import times
 
 _DESCRIPTION = """\
 Create the folder of a competition: benchmarks, passwords (randomly generated), schedule, parameters of the
@@ -123,14 +127,14 @@ def _run(options: argparse.Namespace, config_dir: str, ask: Optional[Callable[[s
         if options.schedule_only:
             return _schedule_only(report, options, book, ask)
         if options.add_team is not None:
-            return _add_team(report, options, book)
+            return _add_team(report, options)
         found = known_answers(options, report, ask, print, {"benchmarks": _described(book)}, book.benchmarks,
                               book.answers)
         report.raise_errors()
         plan = _plan(report, options, book, found)
         report.raise_errors()
         _new(options, book, plan, found)
-    except (ConfigErrors, CannotWriteFiles) as error:
+    except (ConfigErrors, CannotWriteFiles, Refused) as error:
         return _failed(error)
     except Missing as error:
         _failed(error)
@@ -355,7 +359,7 @@ After the competition, remove it from the phones. {authority} is not secret.""")
     return 0
 
 
-def _add_team(report: Report, options: argparse.Namespace, book: Rulebook) -> int:
+def _add_team(report: Report, options: argparse.Namespace) -> int:
     """Add a team to an existing competition."""
     _only(report, options, "--add-team", "days", "time-zone")
     place = Place("--add-team", 0, 0)
@@ -368,16 +372,21 @@ def _add_team(report: Report, options: argparse.Namespace, book: Rulebook) -> in
     if team in loaded.passwords:
         report.error(place, f"team {quote(team)}, which the competition has already", "another name")
     report.raise_errors()
-    added = late_runs(loaded.zones, team, clock, days)
-    files.add_password(options.directory, team)
-    print(f"Written: a password for {quote(team)} in {os.path.join(options.directory, files.PASSWORDS)}")
+    times.use_zone(clock.name)
+    added = late_team(loaded.zones, team, None if days is None else list(map(str, days)))
+    passwords, schedule = (os.path.join(options.directory, name) for name in (files.PASSWORDS, files.SCHEDULE))
+    files.replace(options.directory, files.PASSWORDS, with_team(passwords, team), 0)
+    print(f"Written: a password for {quote(team)} in {passwords}")
     if added:
-        zones = [zone._replace(runs=(*zone.runs, *added.get(zone.name, ()))) for zone in planned(loaded.zones)]
-        before = files.write_schedule(options.directory, book, zones, clock)
+        ids = {event.id for zone in loaded.zones for event in zone.events}
+        with open(schedule, encoding="utf-8", newline="") as file:
+            text = written(file.read(), loaded.zones)
+        before = files.replace(options.directory, files.SCHEDULE, changed(
+            text, [EventChange(new_id(ids), None, slot) for slot in added]))
         print(f"Written: {files.SCHEDULE} in {options.directory}; the old one is {before}")
-        for name, run in sorted(((name, run) for name, runs in added.items() for run in runs),
-                                key=lambda entry: entry[1].begins):
-            print(f"  {clock.local(run.begins):%Y-%m-%d %H:%M}  zone {quote(name)}: {run.code}, round {run.round}")
+        for slot in sorted(added, key=lambda slot: slot.scheduled):
+            print(f"  {times.formatted(slot.scheduled, '%Y-%m-%d %H:%M', False)}  zone {quote(slot.zone)}: "
+                  f"{slot.benchmark}, round {slot.round}")
     return _checked(options.directory)
 
 

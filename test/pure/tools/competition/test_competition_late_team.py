@@ -95,5 +95,5 @@ def test_a_passwords_file_in_another_form(run):
         file.write("{Alpha: secret1a, Beta: secret2b}")
     status, _, err = run("erl", "--add-team", "New")
     assert status == 1
-    assert err.endswith("erl/passwords.yaml does not end with a line 'team: password': add a line for New yourself\n")
+    assert err.endswith("or the file does not end with a line 'team: password'\n")
     assert "New" not in load().passwords
