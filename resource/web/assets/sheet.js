@@ -84,6 +84,7 @@ function Item({item, zone, waiting, refused, mark, texts, judge, give, happening
       ${item.type === "rating" && html`<div class="controls">${item.judges.map((one, i) => !isFixed && (!judge || one === judge) && html`
         <${Entry} item=${item} label=${texts.ratings_of.replace("{judge}", () => one)} isLabelShown texts=${texts}
           value=${item.ratings[i]} enter=${(text) => enter({text, judge: one}, `${one}: ${text}`)} />`)}</div>`}
+      ${item.void && html`<div class="late banner warning"><${Icon} name="warning" /><p>${item.void}</p></div>`}
       ${item.late.length > 0 && html`
         <div class="late banner warning"><${Icon} name="late" /><p>${texts.late}. ${texts.was_in_time}</p>${give && [["yes", false], ["no", true]].map(([word, isLate]) => html`
           <${Command} name=${isLate ? "too_late" : "in_time"} label=${texts[word]} act=${() => give("in_time", texts, texts.in_time,

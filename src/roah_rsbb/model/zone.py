@@ -141,6 +141,7 @@ class SheetItem(NamedTuple):
     needs: Tuple[str, ...] = ()  # desc of each item that must be given for this one to count
     unit: str = ""  # of the value, such as %
     late: Tuple[int, ...] = ()  # numbers of its entries that do not count, because they came after the time limit
+    void: Said = ""  # why the newest mark of the sheet, which is one of it, does not count; empty: it does
     under: str = ""  # desc of the item that it modifies; empty: none
     percent: str = ""  # what it is worth, of what the items before it left, instead of points
     incident: str = ""  # what the rules call an incident

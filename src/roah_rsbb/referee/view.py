@@ -205,7 +205,8 @@ def _sheet_line(number: int, item: SheetItem, style: Style) -> str:
 
 def item_line(item: SheetItem) -> str:
     """Return a scoring item and its value in one line."""
-    return f"{escaped(item.group)}: {escaped(item.desc)}: {sheets.item_text(item)}"
+    why = f" ({escaped(item.void)})" if item.void else ""
+    return f"{escaped(item.group)}: {escaped(item.desc)}: {sheets.item_text(item)}{why}"
 
 
 def _which(event: Union[Event, EventSeen, RunLine]) -> str:

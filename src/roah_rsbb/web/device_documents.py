@@ -186,7 +186,7 @@ def item_page(item: SheetItem) -> Data:
     return {
         "group": item.group, "desc": item.desc, "type": item.type, "value": item.value,
         "text": item.text, "not_attempted": item.not_attempted, "points": number(item.points),
-        "shown": sheets.item_text(item), "late": item.late, "unit": item.unit,
+        "shown": sheets.item_text(item), "late": item.late, "void": tr_said(item.void), "unit": item.unit,
         "is_incident": item.group == INCIDENTS, "under": item.under, "each": item.each, "after": item.after,
         "incident": item.incident, "until": item.until, "worth": sheets.worth_text(item),
         "gives": sheets.gives_text(item),

@@ -6,6 +6,7 @@ from decimal import Decimal
 import pytest
 
 from helpers.competition import UTC0
+from roah_rsbb.core.views.sheets import sheet_items
 from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Refused
@@ -117,6 +118,20 @@ def test_what_takes_something_away_corrects_a_mark_before_an_incident():
     assert book.at(5, "Finds an object", added="-1").total() == "20"
     assert book.at(7, "Finds an object", 1).total() == "10"
     assert [bool(entry.void) for entry in book.book.sheet.history] == [False, False, True, False, False]
+
+
+def test_faces_say_at_once_that_a_mark_does_not_count():
+    book = Book(REMOVED).at(1, "Finds an object", added="3").incident(2, "removed")
+
+    def void():
+        shown = sheet_items(book.book.sheet.items(), book.form, book.book.sheet.history)
+        return [(item.desc, item.void) for item in shown if item.void]
+
+    assert not void()  # those before it count
+    book.at(3, "Finds an object", added="1")
+    assert void() == [("Finds an object", "Finds an object (0:03.0): void because of: Removed")]
+    book.withdraw(3)
+    assert not void()
 
 
 @pytest.mark.parametrize("after, total", [

@@ -41,13 +41,18 @@ def sheet_items(
     items: Sequence[ItemRecord], form: Optional[SheetForm], history: Iterable[ScoreEntry] = ()
 ) -> Tuple[SheetItem, ...]:
     """Return all items of a score sheet, with what each takes. `form`: None if the items have no rules; `history`:
-    entries, of which some may be late."""
+    entries, of which some may not count."""
     rules = {} if form is None else {item.key: item for item in form.items}
     around = _around(form)
     late: Dict[Key, Tuple[int, ...]] = {}
+    newest: Optional[ScoreEntry] = None
     for entry in history:
+        newest = newest if entry.withdrawn_utc else entry
         if entry.void and is_late(entry.void):
             late[entry.group, entry.desc] = (*late.get((entry.group, entry.desc), ()), entry.number)
+    if newest is not None and newest.void and not is_late(newest.void):  # of earlier ones, the history says it
+        key = newest.group, newest.desc
+        around = {**around, key: {**around.get(key, {}), "void": newest.void}}
     return tuple(_item(item, rules.get(item.key), late.get(item.key, ()))._replace(**around.get(item.key, {}))
                  for item in items)
 
@@ -69,10 +74,12 @@ def _around(form: Optional[SheetForm]) -> Dict[Key, Dict[str, Any]]:
     after = {incident.of: incident.after for incident in form.sheet.incidents if incident.of}
     titles = {incident.name: incident.title for incident in form.sheet.incidents}
     for incident in form.sheet.incidents:
+        marked = items.get(incident.marks)
         found[INCIDENTS, incident.title] = {
             "incident": incident.name, "after": _number(after.get(incident.name)),
             "until": tuple(titles.get(name, name) for name in incident.ends),
-            "help": incident.help, "decided": incident.decided}
+            "help": incident.help or (marked.help if marked else ""),
+            "decided": (*incident.decided, *(marked.decided if marked else ()))}
     return found
 
 
