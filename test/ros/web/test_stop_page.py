@@ -1104,6 +1104,31 @@ class TestLock(PhoneCase):
                      windowsVirtualKeyCode=13)
         page.wait(f"!({self.LOCKED})", "it is unlocked")
 
+    def test_a_run_is_not_locked_by_idleness_and_a_lock_in_it_leaves_the_clock(self) -> None:
+        gateway, page = self.running()
+        later = "[Date, performance].forEach(clock => (clock.now = (now => () => now() + 170e3)(clock.now.bind(clock)))), " \
+                "document.querySelector('.lock').className = 'lock', 0"
+        looked = "document.querySelector('.lock.clear') !== null"
+        for _ in range(2):
+            page.get(later)
+            page.wait(looked, "the page has looked at how long it lay idle")
+            self.assertFalse(page.get(self.LOCKED))
+        page.get("window.dispatchEvent(new Event('wake'))")
+        page.wait(f"{self.LOCKED} && {looked}", "it slept")
+        self.assertEqual(page.get("getComputedStyle(document.querySelector('.lock')).background").split(")")[0],
+                         "rgba(0, 0, 0, 0")
+        left, top, width, height = page.box(".run .clock")
+        self.assertTrue(page.get(f"document.elementFromPoint({left + width / 2}, {top + height / 2}) === "
+                                 "document.querySelector('.lock')"), "no text of the lock is above the clock")
+        self.slide(page, 1.0)
+        page.wait(f"!({self.LOCKED})", "it is unlocked")
+        gateway.set(phase="ended")
+        page.wait(f"!({looked})", "the run is over")
+        self.assertFalse(page.get(self.LOCKED), "it lies idle from now on")
+        for _ in range(2):
+            page.get(later)
+        page.wait(self.LOCKED, "it lay idle")
+
     def test_a_page_that_lay_idle_or_slept_is_locked(self) -> None:
         page = self.phone(self.gateway())
         page.touch_at(".run")
@@ -1120,6 +1145,97 @@ class TestLock(PhoneCase):
         self.assertFalse(page.get(self.LOCKED))
         page.get("visible = 'visible', document.dispatchEvent(new Event('visibilitychange')), 0")
         page.wait(self.LOCKED, "its phone slept")
+
+
+class TestPhone(PhoneCase):
+    """What the page asks of its phone: it may refuse."""
+
+    SPY = """window.asked = 0, window.isRefused = false, window.held = null, window.felt = [], window.visible = "visible",
+        Object.defineProperty(document, "visibilityState", {get: () => visible}),
+        Object.defineProperty(navigator, "vibrate", {value: (pattern) => felt.push(pattern.join(" "))}),
+        Object.defineProperty(navigator, "wakeLock", {value: {request: async () => {
+          asked += 1;
+          if (isRefused) throw new DOMException("low battery", "NotAllowedError");
+          held = new EventTarget();
+          held.release = () => (lock => (window.held = null, lock.dispatchEvent(new Event("release"))))(held);
+          return held;
+        }}}), 0"""
+    SHOW = "visible = '{0}', '{0}' === 'hidden' && held?.release(), " \
+           "document.dispatchEvent(new Event('visibilitychange')), 0"
+    # Before its scripts: how the browser keeps nothing.
+    KEEPS_NOTHING = {
+        "refused": "IDBFactory.prototype.open = () => { throw new DOMException('private', 'SecurityError'); }",
+        "failing": "IDBFactory.prototype.open = () => { const asked = {error: new DOMException('', 'UnknownError')}; "
+                   "setTimeout(() => asked.onerror()); return asked; }",
+        "full": "IDBObjectStore.prototype.put = () => { throw new DOMException('', 'QuotaExceededError'); }",
+    }
+
+    def test_the_screen_stays_on_in_a_run(self) -> None:
+        gateway = self.gateway()
+        page = self.phone(gateway)
+        page.get(self.SPY)
+        for what, phase, script, is_held, asked in (
+                ("a run begins", "running", "0", True, 1),
+                ("the page is hidden", "", self.SHOW.format("hidden"), False, 1),
+                ("it is seen again", "", self.SHOW.format("visible"), True, 2),
+                ("the run ends", "ended", "0", False, 2),
+                ("it is hidden and seen without a run", "",
+                 f"{self.SHOW.format('hidden')}, {self.SHOW.format('visible')}", False, 2),
+                # Now each change asks again.
+                ("the battery is low", "running", "isRefused = true", False, None),
+                ("it is loaded", "", "isRefused = false", True, None)):
+            with self.subTest(what):
+                page.get(f"{script}, 0")
+                if phase:
+                    gateway.set(phase=phase)
+                if asked is not None:
+                    page.wait(f"Boolean(held) === {json.dumps(is_held)}", what)
+                gateway.set(warning=what)
+                page.wait(f"JSON.stringify(live.data['page.zone']).includes({json.dumps(what)})", "all is drawn again")
+                page.wait(f"Boolean(held) === {json.dumps(is_held)}", what)
+                self.assertIn(asked, (None, page.get("asked")))
+        gateway.close()
+        page.wait("document.body.matches('.old')", "there is no link any more")
+        for state, is_held in (("hidden", False), ("visible", True)):
+            page.get(self.SHOW.format(state))
+            page.wait(f"Boolean(held) === {json.dumps(is_held)}", state)
+
+    def test_a_phone_shakes_at_start_stop_and_refusal(self) -> None:
+        gateway = self.gateway()
+        gateway.set(phase="connected")
+        page = self.phone(gateway)
+        page.get(self.SPY)
+        page.touch(5, 5)  # browsers let no page do it that nobody has touched
+        start, stop, end, refusal = "300", "150", "600 150 600", "80 80 80"
+        page.get("window.realFetch = fetch, "
+                 "window.fetch = async () => new Response('{\"reasons\": [\"not now\"]}', {status: 409}), 0")
+        page.wait(CLICKED.format("button[data-command=start]"), "start")
+        page.wait(f"felt.includes('{refusal}') && document.body.innerText.includes('not now')", "a refusal is felt")
+        page.get("window.fetch = realFetch, 0")
+        page.wait(CLICKED.format("button[data-command=start]"), "start")
+        page.wait(f"felt.includes('{start}')", "a start is felt")
+        page.wait(IS_ON, "STOP is on")
+        self.stops(gateway, page)
+        page.wait(f"felt.includes('{stop}') && felt.includes('{end}')", "a stop is felt, and the end of the run")
+        self.assertEqual(page.get("felt"), [refusal, start, stop, end])
+
+    def test_marks_count_where_the_browser_keeps_nothing(self) -> None:
+        gateway = self.gateway()
+        gateway.set(phase="running")
+        for how, script in self.KEEPS_NOTHING.items():
+            with self.subTest(how):
+                page = self.phone(gateway)
+                page.command("Page.addScriptToEvaluateOnNewDocument", source=f"{script};")
+                page.reload()
+                page.wait(f"{IS_ON} && marks.isRead", "it is loaded")
+                page.get("window.realFetch = fetch, window.fetch = () => Promise.reject(new TypeError('no network')), 0")
+                gateway.given.clear()
+                page.wait(CLICKED.format("[data-item^=Operates] .mark"), "it is marked")
+                page.wait(f"{SAID}.includes('This browser keeps nothing')", "the page says that it must stay open")
+                page.get("window.fetch = realFetch, 0")
+                gateway.wait_given("mark", "Home A")
+                page.wait("marks.waiting.length === 0 && document.querySelector('.stopsaid.alarm') === null", "it counted")
+                page.close()
 
 
 class TestLooks(PhoneCase):
