@@ -722,7 +722,7 @@ function ZonePage({zone, zones, session, texts, isOld}) {
       ${!judge && part(texts.more, html`<${Tools} key=${zone.items.length > 0} zone=${zone} texts=${texts} />`)}
     </header>
     <div class="all">
-      <div class="sheets" hidden=${isInstruction}>
+      <div class="sheets ${isInstruction ? "covered" : ""}">
         ${zone.switches && may(texts, "switch") && part(texts.switches, html`<${Switches} zone=${zone} texts=${texts} />`)}
         ${isBefore && part("✓", html`<fieldset disabled=${isOld}><${Checks} key=${zone.phase} zone=${zone} texts=${texts} /></fieldset>`)}
         ${judge && part(texts.judges, zone.judging.filter((run) => run.count > 0).map((run) => html`
