@@ -265,7 +265,13 @@ def test_a_withdrawal_and_a_reason_that_are_not_saved():
 
 
 def test_a_change_of_nothing_that_a_referee_did_is_not_shown():
-    unsaved = Unsaved()
-    unsaved.restore([RECORD])
-    unsaved.changed(100.0, 2, RECORD._replace(elapsed_s=7.0))
+    unsaved, whole = Unsaved(), RECORD._replace(stops=(STOP,))
+    unsaved.restore([whole])
+    unsaved.changed(100.0, 2, whole._replace(elapsed_s=7.0))
     assert unsaved.look(LATER, 0) == ()
+
+
+def test_of_a_run_that_is_not_saved_all_is_shown():
+    unsaved = Unsaved()
+    unsaved.changed(100.0, 1, RECORD._replace(history=(FIRST,), stops=(STOP,)))
+    assert unsaved.look(LATER, 0) == parts((1,), (1,))
