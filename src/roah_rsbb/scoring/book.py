@@ -686,7 +686,7 @@ class Rescored(NamedTuple):
         totals = ["no points" if each is None else each.total for each in points]
         signed = ", signed off: it gets a new version" if run.sign_off is not None else ""
         name = f"{run.benchmark}, team {run.team}, {sheets.turn(run.round, run.run)}"
-        return f"{name}: {totals[0]}, now {totals[1]}{signed}"
+        return f"{name} ({run.identity}): {totals[0]}, now {totals[1]}{signed}"
 
 
 def rescored(records: Iterable[RunRecord], benchmarks: Mapping[str, Benchmark]) -> List[Rescored]:

@@ -417,7 +417,7 @@ def test_a_changed_sheet_names_the_runs_that_it_would_score_otherwise():
     driver = BoxDriver(scored_day(60))
     identity = finished_run(driver)
     assert [str(run) for run in found(driver, 50)] == [
-        "HGTKMH, team Alpha, round 1, run 1: 60, now 50"]
+        f"HGTKMH, team Alpha, round 1, run 1 ({identity}): 60, now 50"]
     assert found(driver, 60) == []
     reload(driver, scored_day(50), before=scored_day(60))
     assert record(driver, identity).points.total == "60", "from now on"
