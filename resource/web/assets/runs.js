@@ -31,16 +31,28 @@ export function FinishedRun({zone, run, marks, texts, undo, give, events = []}) 
 // A run that should not count, or not for this team. `events`: the id and the name of each to which it may be moved.
 function PutRight({run, events, texts, give}) {
   const [event, setEvent] = useState("");
-  const ask = (name, given) => give(name, texts, texts[`${name}_run`], {identity: run.identity, given});
+  const [opened, setOpened] = useState("");
+  const form = (name) => {
+    const act = async (reason) => {
+      const given = name === "move" ? {event, reason} : {reason};
+      const isDone = await give(name, texts, texts[`${name}_run`], {identity: run.identity, given});
+      setOpened(isDone ? "" : name);
+      return isDone;
+    };
+    return html`
+      <${Reasoned} key=${name} name=${name} label=${texts[`${name}_run`]} texts=${texts} act=${act} isOff=${name === "move" && !event}
+        more=${name === "move" && html`<label>${texts.move_to}<select value=${event} onChange=${(change) => setEvent(change.target.value)}>
+          <option value=""></option>${events.map(([id, text]) => html`<option value=${id}>${text}</option>`)}</select></label>`} />`;
+  };
   return html`
     <details class="put-right"><summary>${texts.put_right}</summary>
-      <a class="button" target="_blank" href=${replayAt(run.identity)}>${texts.replay}</a>
-      ${run.put_right.map((name) => name === "object" ? html`<${Objecting} key=${name} run=${run} texts=${texts} give=${give} />`
-        : name === "move" ? html`
-        <${Reasoned} key=${name} name=${name} label=${texts.move_run} texts=${texts} isOff=${!event} act=${(reason) => ask(name, {event, reason})}
-          more=${html`<label>${texts.move_to}<select value=${event} onChange=${(change) => setEvent(change.target.value)}>
-            <option value=""></option>${events.map(([id, text]) => html`<option value=${id}>${text}</option>`)}</select></label>`} />`
-        : html`<${Asked} key=${name} name=${name} label=${texts[`${name}_run`]} texts=${texts} act=${(reason) => ask(name, {reason})} />`)}
+      <div class="controls">
+        <a class="button" target="_blank" href=${replayAt(run.identity)}>${texts.replay}</a>
+        ${run.put_right.map((name) => html`
+          <button type="button" class="button" key=${name} data-command=${name} aria-expanded=${name === opened}
+            onClick=${() => setOpened(name === opened ? "" : name)}>${name === "object" ? texts.object : texts[`${name}_run`]} …</button>`)}
+      </div>
+      ${opened === "object" ? html`<${Objecting} run=${run} texts=${texts} give=${give} />` : opened && form(opened)}
     </details>`;
 }
 

@@ -35,7 +35,7 @@ from roah_rsbb.core.robots import MAX_ROBOTS, ActiveRobot, ActiveRobots, RobotId
 from roah_rsbb.core.runs.all_robots import AllRobotsRun
 from roah_rsbb.core.runs.by_hand import HandRun
 from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalityState
-from roah_rsbb.core.runs.run import Assignment, Run, RunContext, RunState, port_of
+from roah_rsbb.core.runs.run import Assignment, Run, RunContext, RunState, ZoneRun, port_of
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
@@ -43,7 +43,7 @@ from roah_rsbb.core.zones import Zone, Zones, ZoneState
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.messages import Beacon, BenchmarkingRobot, DevicesState, TabletState
 from roah_rsbb.model.reason import cut_note, joined, say
-from roah_rsbb.model.records import NOBODY, By, EndReason, Phase, RunRecord
+from roah_rsbb.model.records import NOBODY, NOT_RUN, By, EndReason, Phase, RunRecord
 from roah_rsbb.protocol import WireTime
 from roah_rsbb.rulebook.registry import TABLET, BenchmarkKind
 from roah_rsbb.scoring.book import FinishedRuns
@@ -149,7 +149,7 @@ class Connections:
         assert run is not None, "disconnect was checked before"
         run.close(now, by)
         self._finished.add(run.record(now))
-        zone.leave(self._settings.auto_next, lambda: self._over(zone))
+        zone.leave(self._settings.auto_next and not self._may_repeat(zone, run), lambda: self._over(zone))
         self._outbox.emit(effects.SendBeacon())
 
     def withdraw(self, now: Now, zone: Zone, place: int, by: By) -> None:
@@ -169,6 +169,12 @@ class Connections:
 
     def _over(self, zone: Zone) -> Set[int]:
         return {place for name, place in self._zones.over(self._finished.records()) if name == zone.name}
+
+    def _may_repeat(self, zone: Zone, run: ZoneRun) -> bool:
+        """Whether the rules give the team another attempt, for which the zone stays at its event."""
+        most = run.event.benchmark.rules.attempts
+        return run.end_reason not in NOT_RUN and most > sum(
+            bool(record.started_utc) for record in filter(zone.is_of, self._finished.records()))
 
     def on_failed(self, now: Now, port: int, error: str) -> None:
         """Take the next port if the channel on `port` could not be opened, or give up this robot's run."""

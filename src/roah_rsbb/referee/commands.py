@@ -24,7 +24,18 @@ from roah_rsbb.referee.state import (
     zone_json,
 )
 from roah_rsbb.referee.stopping import Stopping
-from roah_rsbb.referee.terminal import BY, OF_RUN, ZONE, Call, Commands, Output, TypedCommand, argument, switch
+from roah_rsbb.referee.terminal import (
+    BY,
+    OF_RUN,
+    STEPS,
+    ZONE,
+    Call,
+    Commands,
+    Output,
+    TypedCommand,
+    argument,
+    switch,
+)
 from roah_rsbb.referee.words import (
     GIVE_AGAIN,
     NOT_ATTEMPTED,
@@ -37,6 +48,7 @@ from roah_rsbb.referee.words import (
     score_wanted,
     value_of,
 )
+from roah_rsbb.wording import schedule
 from roah_rsbb.wording.texts import escaped
 
 WATCH_STEP_S = 1.0
@@ -86,8 +98,16 @@ def _act(call: Call) -> Exit:
                 call.link.stop_run(call.zone_name, call.zone.identity)
             call.link.settle()
         call.check_stopped()
-    call.act(action.name, terminal.given_in(call.options, action))
-    return call.say_done()
+    with contextlib.ExitStack() as asked:
+        left = schedule.left_unsigned(call.link.box.schedule.values(), call.zone_name) if action.name in STEPS else None
+        if left is not None:
+            asked.enter_context(call.confirmed(
+                call.zone_name, lambda: view.schedule_lines([left], call.output.style),
+                "Its run is not signed off. Leave it? [y/N]",
+                "the run is not signed off: sign it off first ('sign-off'), give --yes, or use a terminal, where you "
+                "are asked", "the zone stays"))
+        call.act(action.name, terminal.given_in(call.options, action))
+        return call.say_done()
 
 
 @_OF_ZONE.add(
@@ -232,7 +252,8 @@ def _show_outcome(name: str, outcome: ScriptOutcome, output: Output) -> None:
 
 COMMANDS: Dict[str, TypedCommand] = {
     **_OF_BOX,
-    **{action.words: terminal.of_action(action, _act) for action in ACTIONS.values() if action.name not in PLACED},
+    **{action.words: terminal.of_action(action, _act)._replace(has_keyboard=action.name in STEPS)
+       for action in ACTIONS.values() if action.name not in PLACED},
     **_OF_ZONE, **sheets.COMMANDS, **organiser.COMMANDS, **day.COMMANDS,
 }
 

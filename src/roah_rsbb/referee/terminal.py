@@ -315,6 +315,9 @@ LEAVING = switch("--yes", "leave the run also if its robot did not answer STOP. 
 
 # -- arguments from the table of actions ------------------------------------------------------------
 
+# They leave the zone's event.
+STEPS = ("previous", "next")
+UNSIGNED = switch("--yes", "also leave an event whose run is not signed off")
 # What whoever types an action means, without saying it: a run in progress is stopped and disconnected, too.
 ALWAYS: Dict[str, Dict[str, Any]] = {"disconnect": {"running": True}}
 # A word for each kind of field, in examples.
@@ -328,7 +331,8 @@ def of_action(action: Action, do: Do) -> TypedCommand:
     said = str(action.explanation)
     shown = [field for field in action.fields if field.name not in ALWAYS.get(action.name, {})]
     return TypedCommand(action.words, said[0].lower() + said[1:], [f"'Home A' {words}".rstrip()],
-                        [ZONE, *map(_of_field, shown), *([LEAVING] if action.leaves else []), BY], do)
+                        [ZONE, *map(_of_field, shown), *([LEAVING] if action.leaves else []),
+                         *([UNSIGNED] if action.name in STEPS else []), BY], do)
 
 
 def _of_field(field: Field) -> Argument:

@@ -250,7 +250,7 @@ def _run_line(run: RunLine, style: Style) -> str:
 def _run_state(run: RunLine, style: Style) -> str:
     state = sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason)
     parts = [escaped(sheets.with_counting(state, run.counts))]
-    if run.corrected:
+    if run.corrected and not run.versions:
         parts.append(style(YELLOW, sheets.CORRECTED))
     if run.closed_utc_s is not None:
         parts.append(sheets.signature(run.signed_utc_s, escaped(run.signed_by), style.moments.stamp, run.versions))

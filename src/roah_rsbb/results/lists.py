@@ -131,7 +131,7 @@ def _line(
     name, scheduled = (_name(event), event.scheduled) if event is not None else (
         sheets.run_name(record.benchmark, record.team, record.round, record.run), record.scheduled)
     if record.open_objections:
-        sheet = f"{sheet}; {record.open_objections} objections to answer"
+        sheet = f"{sheet}; objections to answer: {record.open_objections}"
     return CheckLine(zone, name, scheduled, numbers[record.identity], run_state_text(record, run.ruling.why.value),
                      sheet, run.is_final and not record.open_objections)
 

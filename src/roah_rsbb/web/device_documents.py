@@ -433,7 +433,7 @@ def _run(run: RunLine, shown: PartShown) -> Data:
         "title": _timed_name(run, _MOMENTS, shown.now.utc), "look": _look_of(run),
         "end": with_counting(sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason), run.counts),
         "score": tr_said(run.score), "sheet": "; ".join([*([f"⚠ {tr(sheets.NOT_SAVED)}"] if unsaved else []),
-                            *([tr(sheets.CORRECTED)] if run.corrected else []), sheet]),
+                            *([tr(sheets.CORRECTED)] if run.corrected and not run.versions else []), sheet]),
         "is_closed": run.closed_utc_s is not None, "is_signed": run.signed_utc_s is not None,
         "is_judged": judged is not None and judged.count > 0, "code": run.code,
         "put_right": [name for name, is_on in (

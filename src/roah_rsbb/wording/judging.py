@@ -138,12 +138,12 @@ def differences_text(judging: Judging) -> str:
 
 
 def publication_text(judging: Judging, utc_s: float, when: Callable[[float], str]) -> str:
-    """Return the state of the publication at the time `utc_s`; empty: the result is not published."""
+    """Return the state of the publication at the time `utc_s`, and of objections; empty: there is neither."""
+    waiting = [tr(OPEN_OBJECTIONS, number=judging.open_objections)] if judging.open_objections else []
     if judging.published_utc_s is None:
-        return ""
+        return "".join(waiting)
     until = judging.objections_until_utc_s or 0.0
     limit = tr(OBJECTIONS_UNTIL, time=when(until)) if until > utc_s else tr(OBJECTIONS_OVER)
-    waiting = [tr(OPEN_OBJECTIONS, number=judging.open_objections)] if judging.open_objections else []
     return " · ".join([tr(PROVISIONAL), limit, *waiting])
 
 

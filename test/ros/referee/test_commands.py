@@ -90,8 +90,11 @@ class TestCommands(WithCore):
 
     def test_each_command_reaches_its_zone(self) -> None:
         for command, phase in (("connect", "CONNECTED"), ("start", "RUNNING"), ("stop", "the robot has stopped"),
-                               ("disconnect", "NOT CONNECTED"), ("next", "HWV"), ("previous", "HGTKMH")):
+                               ("disconnect", "NOT CONNECTED")):
             self.assertIn(phase, self.done(command, "home a"))
+        self.assertIn("the run is not signed off: sign it off first", referee("next", "home a").stderr)
+        for command, phase in (("next", "HWV"), ("previous", "HGTKMH")):
+            self.assertIn(phase, self.done(command, "home a", "--yes"))
         calls = [call for call in self.core.calls if call != ("stop_run", "home a")]  # tried before the zones are known
         self.assertEqual(calls, [(command, "Home A") for command in
                                  ("connect", "start", "stop_run", "disconnect", "next", "previous")])

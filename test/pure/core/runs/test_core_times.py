@@ -346,6 +346,21 @@ def test_attempts_are_counted_and_limited():
     assert driver.off("open_sheet") == []
 
 
+@pytest.mark.parametrize("attempts, moves", [(0, [True]), (1, [True]), (2, [False, True])])
+def test_the_zone_stays_at_its_event_while_the_team_has_another_attempt(attempts, moves):
+    driver = box_with(attempts=attempts, second="HWV")
+    for is_moved in moves:
+        driver.executing().completes()
+        driver.command("disconnect")
+        assert (driver.view().event.code == "HWV") == is_moved
+
+
+def test_a_team_that_withdrew_makes_no_other_attempt():
+    driver = box_with(attempts=2, second="HWV")
+    driver.command("withdrawn", team="Alpha")
+    assert driver.view().event.code == "HWV"
+
+
 def test_a_run_that_was_never_started_is_no_attempt():
     driver = box_with(attempts=1)
     driver.connected()
