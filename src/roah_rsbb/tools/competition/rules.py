@@ -148,6 +148,7 @@ def _cases(folder: str, included: str) -> List[List[str]]:
                 if key not in rules:
                     rules[key] = read_folder(folder, included, case.get("decisions", {}))
                 wrong = differences(case, answer(case, rules[key]))
+                wrong += [] if "expected" in case else ["nothing is expected: give 'expected' (docs/results.md)"]
             except NotPossible as error:
                 wrong = [str(error)]
             found.append([f"{name}: {text}" for text in wrong])

@@ -79,13 +79,14 @@ def test_wrong_rules(run, command):
 
 def test_cases_of_the_folder(run, tmp_path):
     case = {"sheet": "Fetch", "marks": [["Takes the cup", 2], ["Says hello", 1]], "decisions": {"Cups": "many"}}
-    cases = [{**case, "expected": 110}, {**case, "id": "b", "expected": 60}, {**case, "sheet": "Fetsh"}]
+    cases = [{**case, "expected": 110}, {**case, "id": "b", "expected": 60}, {**case, "sheet": "Fetsh"}, case]
     (tmp_path / "cases.json").write_text(json.dumps(cases))
     status, out, _ = run("check", decisions="Cups: many\n")
     assert (status, out.splitlines()) == (1, [
         "cases.json, case b: points 110, expected 60",
         "cases.json, case 3: no sheet 'Fetsh': did you mean 'Fetch'?",
-        "1 benchmark, 3 rows, 3 cases: 2 found"])
+        "cases.json, case 4: nothing is expected: give 'expected' (docs/results.md)",
+        "1 benchmark, 3 rows, 4 cases: 3 found"])
 
 
 @pytest.mark.parametrize("name, found", [("heartmet", "4 benchmarks,"), ("athome2026", "7 benchmarks,")])
