@@ -100,7 +100,7 @@ FAULTS = (
           "        elif out_of_time:\n",
           "        elif out_of_time and self.robot_state is not RobotState.EXECUTING:\n"),
     Fault("a mark counts again after a restart", "roah_rsbb.scoring.sheet",
-          "            self._taken[mark_id] = int(number)\n", "            self._taken.setdefault('', int(number))\n"),
+          "self._taken = dict(self.state.marks.entries)", "self._taken = {}"),
     Fault("a withdrawn entry still counts", "roah_rsbb.scoring.sheet",
           "if not entry.withdrawn_utc and entry.number not in self._void:",
           "if (not entry.withdrawn_utc or entry.added == '2') and entry.number not in self._void:"),
