@@ -4043,8 +4043,13 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/day_edits.py"/>
-        <source>This changed no event: choose the events again, and run them</source>
-        <translation>Das hat keinen Termin geändert: Wählen Sie die Termine noch einmal und führen Sie sie durch</translation>
+        <source>{event}: {time} in zone &apos;{zone}&apos;, the team does not withdraw</source>
+        <translation>{event}: {time} in Zone &apos;{zone}&apos;, das Team tritt nicht zurück</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/day_edits.py"/>
+        <source>the team did not withdraw</source>
+        <translation>das Team ist nicht zurückgetreten</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/day_edits.py"/>

@@ -7,29 +7,33 @@ Theory of operation. An edit is first only looked at: the answer says its effect
 edits that are kept are undone by the changes that they have.
 """
 
+import contextlib
 import hashlib
 import json
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Sequence
 
 from roah_rsbb.box import calls
 from roah_rsbb.box.configuration import Configuration, Reloads, changes_of
+from roah_rsbb.core.actions.table import Target
 from roah_rsbb.core.box import Box
+from roah_rsbb.core.day import WithdrawnRun
 from roah_rsbb.document.calls import EDIT, Caller, InThread
 from roah_rsbb.document.calls import EDITS as LISTED
 from roah_rsbb.ground import durable, installed
 from roah_rsbb.model import fields
 from roah_rsbb.model.actions import EDITS, UNDO, WITHDRAW_TEAM
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.reason import Reason, Refused, checked_note, checked_who, encoded, say
+from roah_rsbb.model.reason import Reason, Refused, Template, checked_note, checked_who, encoded, say
 from roah_rsbb.rulebook import day, team_passwords
-from roah_rsbb.rulebook.day import Day, EventChange
+from roah_rsbb.rulebook.day import Day, EventChange, PlannedSlot
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.wording.texts import did_you_mean
 
 NO_EDIT = say("There is no edit '{action}'{hint}")
 OTHER_NOW = say("The effect is another one by now: look at it again")
 NOT_KEPT = say("There is no edit {number} that can be undone")
-OF_RUNS = say("This changed no event: choose the events again, and run them")
+COMES_BACK = say("{event}: {time} in zone '{zone}', the team does not withdraw")
+NO_REASON = say("the team did not withdraw")
 NOTHING_OF_TEAM = say("Team {team} has no such event to come")
 WITHDRAWN = say("{event}: {time} in zone '{zone}', the team withdraws")
 PASSWORD = say("Team {team} gets a password, in {path}")
@@ -44,6 +48,7 @@ class _Planned(NamedTuple):
     changes: List[EventChange]
     events: List[str] = []  # from which a team withdraws
     undoes: int = 0  # number of the edit that it undoes; 0: none
+    comes_back: List[WithdrawnRun] = []  # runs that say that a team withdrew, and no longer count
 
 
 class DayEdits:
@@ -63,7 +68,8 @@ class DayEdits:
     def listed(self) -> List[Dict[str, Any]]:
         """Return the edits, the newest first."""
         names = "number", "utc", "who", "action", "reason", "words", "undone"
-        return [{**{name: edit[name] for name in names}, "can_undo": bool(edit["changes"]) and not edit["undone"]}
+        return [{**{name: edit[name] for name in names},
+                 "can_undo": bool(edit["changes"] or edit["runs"]) and not edit["undone"]}
                 for edit in reversed(self._configuration.edits)]
 
     def _call(self, found: Mapping[str, Any], caller: Caller) -> InThread:
@@ -114,13 +120,11 @@ class DayEdits:
         record = {
             "number": max((edit["number"] for edit in self._configuration.edits), default=0) + 1, "utc": now.utc,
             "who": checked_who(who), "action": action, "reason": reason, "words": encoded(said), "undone": 0,
-            "changes": planned.changes, "written": not planned.changes}
+            "changes": planned.changes, "runs": [], "written": not planned.changes}
         edits = [*({**edit, "undone": record["number"]} if edit["number"] == planned.undoes else edit
                    for edit in self._configuration.edits), record]
-        if planned.events:
-            self._in_loop(lambda: self._event(
-                self._box.day.withdraw, planned.events, values["team"], who, reason))
         if not planned.changes:
+            record["runs"] = self._in_loop(lambda: self._carry_out(planned, values.get("team", ""), who, reason))
             self._configuration.keep_edits(edits)
             return {**answer, "done": True}
         errors = self._reloads.apply(content, list(map(str, said)), who, edits=edits)
@@ -128,6 +132,18 @@ class DayEdits:
             raise Refused(errors)
         trouble = self._configuration.write_schedule(content.texts.texts[1], content.config.zones)
         return {**answer, "done": True, "trouble": encoded([trouble])[0]}
+
+    def _carry_out(self, planned: _Planned, team: str, who: str, reason: str) -> List[WithdrawnRun]:
+        """Let a team withdraw, or not, in the loop's thread. Return the runs that say that it does."""
+        for run in planned.comes_back:
+            with contextlib.suppress(Refused):  # somebody annulled it
+                self._event(self._box.act, Target(run.zone, run.identity), "annul", who,
+                            {"reason": reason or str(NO_REASON)})
+        self._event(self._box.day.go_back, {run.event for run in planned.comes_back})
+        found: List[WithdrawnRun] = []
+        if planned.events:
+            self._event(lambda now: found.extend(self._box.day.withdraw(now, planned.events, team, who, reason)))
+        return found
 
     def _write_passwords(self, text: str) -> None:
         path = self._configuration.passwords
@@ -141,21 +157,30 @@ class DayEdits:
     def _planned(self, before: Day, action: str, values: Mapping[str, Any]) -> _Planned:
         if action == WITHDRAW_TEAM:
             found = _of_team(before, values)
-            slots = before.slots
-            return _Planned([WITHDRAWN(event=slots[event].name, time=day.shown(slots[event].scheduled, before.today),
-                                       zone=slots[event].zone) for event in found], [], found)
+            return _Planned([_words(WITHDRAWN, before.slots[event], before) for event in found], [], found)
         if action == UNDO:
             edit = next((edit for edit in self._configuration.edits
                          if edit["number"] == values["number"] and not edit["undone"]), None)
             if edit is None:
                 raise Refused([NOT_KEPT(number=values["number"])])
+            slots = before.slots
             if not edit["changes"]:
-                raise Refused([OF_RUNS])
+                left = [run for run in map(_run_of, edit["runs"]) if run.event in slots]
+                return _Planned([_words(COMES_BACK, slots[run.event], before) for run in left], [], [], edit["number"],
+                                left)
             changes = day.undone(changes_of(edit))
             day.applied(before.slots, changes)
             return _Planned(day.words(changes, before.today), changes, undoes=edit["number"])
         changes = day.EDITS[action](before, values)
         return _Planned(day.words(changes, before.today), changes)
+
+
+def _words(template: Template, slot: PlannedSlot, today: Day) -> Reason:
+    return template(event=slot.name, time=day.shown(slot.scheduled, today.today), zone=slot.zone)
+
+
+def _run_of(found: Sequence[str]) -> WithdrawnRun:
+    return WithdrawnRun(*found)
 
 
 def _of_team(before: Day, values: Mapping[str, Any]) -> List[str]:

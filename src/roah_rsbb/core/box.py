@@ -77,7 +77,7 @@ class Box:
         self.actions = Actions(self.candidates, connections, self.scores, zones, record, authority, outbox)
         self.judges = JudgeDesk(self.scores, outbox)
         self.modules = ModuleDesk(timers.tick, zones, modules, authority)
-        self.day = DayDesk(timers, zones, finished, connections, record)
+        self.day = DayDesk(timers, zones, finished, connections, record, outbox)
         self.entries = Entries(zones, self.scores, self.judges, record)
         self.arrivals = Arrivals(settings, timers, zones, robots, heard, tablet, watches, connections, outbox)
         timers.parts = (self.modules, connections)

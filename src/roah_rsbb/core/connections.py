@@ -152,13 +152,14 @@ class Connections:
         zone.leave(self._settings.auto_next and not self._may_repeat(zone, run), lambda: self._over(zone))
         self._outbox.emit(effects.SendBeacon())
 
-    def withdraw(self, now: Now, zone: Zone, place: int, by: By) -> None:
-        """Record that the team of an event of a zone withdrew, whatever run the zone has."""
+    def withdraw(self, now: Now, zone: Zone, place: int, by: By) -> str:
+        """Record that the team of an event of a zone withdrew, whatever run the zone has. Return the identity of the
+        run that says so."""
         if place == zone.index:
             run = zone.run or self.open_sheet(now, zone)
             run.give_up(now, EndReason.WITHDRAWN, by)
             self.leave(now, zone, by)
-            return
+            return run.identity
         self._last_port += 1
         self._outbox.emit(effects.PortTaken(self._last_port))
         away = HandRun(now, zone.name, zone.events[place], self._context(zone.name), self._last_port)
@@ -166,6 +167,7 @@ class Connections:
         away.give_up(now, EndReason.WITHDRAWN, by)
         away.close(now, by)
         self._finished.add(away.record(now))
+        return away.identity
 
     def _over(self, zone: Zone) -> Set[int]:
         return {place for name, place in self._zones.over(self._finished.records()) if name == zone.name}

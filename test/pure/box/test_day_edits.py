@@ -12,7 +12,7 @@ from roah_rsbb.box.configuration import Configuration, Reloads
 from roah_rsbb.box.day_edits import DayEdits
 from roah_rsbb.core import effects
 from roah_rsbb.ground import durable, installed
-from roah_rsbb.model.reason import Refused, decoded
+from roah_rsbb.model.reason import Refused, RunName, decoded
 from roah_rsbb.model.records import Phase
 from roah_rsbb.rulebook.day import slots
 
@@ -257,6 +257,19 @@ def test_a_team_withdraws_from_all_that_is_to_come(place):
     assert place.driver.box.zones["Home"].event.id == "hg"
     with pytest.raises(Refused, match="no such event to come"):
         place.look("withdraw_team", team="Beta")
+
+
+def test_a_team_that_withdrew_comes_back(place):
+    place.driver.command("next", "Home")
+    place.do("withdraw_team", team="Beta")
+    by_hand = next(run for run in place.configuration.edits[-1]["runs"] if run.event == "wb")
+    place.driver.enter("annul", RunName("Arena", by_hand.identity), "Olga", reason="x")
+    assert lines(place.do("undo", number=1)) == ["HGTKMH of Beta: 14:30 in zone 'Home', the team does not withdraw",
+                                                 "HWV of Beta: 16:00 in zone 'Arena', the team does not withdraw"]
+    assert all(record.is_annulled for record in place.driver.box.finished.records())
+    assert place.driver.box.zones["Home"].event.id == "hb"
+    assert [(edit["action"], edit["can_undo"]) for edit in place.edits.listed()] == [
+        ("undo", False), ("withdraw_team", False)]
 
 
 def test_a_team_withdraws_from_later_events_while_a_run_is_in_progress(place):

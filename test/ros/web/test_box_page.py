@@ -195,6 +195,37 @@ class TestBoxPage(NeedsBrowser):
         page.wait(f"{TEXT}.includes('Correct this first') && {TEXT}.includes('HWW')", "errors are shown")
         self.assertIsNone(page.get("document.querySelector('[data-command=apply]')"))
 
+    def test_the_day_is_edited_after_its_effect_was_shown_and_the_edit_undone(self) -> None:
+        page = self.opened("schedule")
+        before = self.schedule.read_text()
+        self.choose(page, "action", "shift")
+        self.choose(page, "zone", HOME)
+        page.fill("[data-field=time]", "soon")
+        self.press(page, "[data-command=look]")
+        page.wait(f"{TEXT}.includes('is no delay')", "a mistake is explained")
+        page.fill("[data-field=time]", "40")
+        self.press(page, "[data-command=look]")
+        page.wait("document.querySelector('[data-command=do]') !== null", "the effect is shown")
+        self.assertIn("HGTKMH of " + TEAM, page.get(TEXT))
+        self.assertEqual(self.schedule.read_text(), before, "nothing is changed")
+        first = min(self.box.document.events(), key=lambda event: (event.zone != HOME, event.scheduled_utc_s))
+        self.press(page, "[data-command=do]")
+        self.box.wait(lambda document: document.schedule[first.id].scheduled_utc_s == first.scheduled_utc_s + 2400,
+                      "it is in force")
+        page.wait(f"{TEXT}.includes('The changes are in force')", "the page says so")
+        self.assertIn("01:40:00", self.schedule.read_text())
+        self.press(page, "[data-command=undo]")
+        self.press(page, "[data-command=do]")
+        self.box.wait(lambda document: document.schedule[first.id].scheduled_utc_s == first.scheduled_utc_s, "undone")
+        page.wait("document.querySelectorAll('.day .chip').length === 1", "the list says so")
+        self.assertEqual(page.inaccessible(), [])
+
+    def choose(self, page: Page, field: str, value: str) -> None:
+        """Choose something in a list of the form."""
+        page.wait(f"""((node) => node && [...node.options].some(({{value}}) => value === {json.dumps(value)})
+            && (node.value = {json.dumps(value)}, node.dispatchEvent(new Event("change", {{bubbles: true}}))))(
+            document.querySelector("[data-field={field}]"))""", f"{field} is chosen")
+
     def test_home_devices_are_shown_and_operated(self) -> None:
         page = self.opened("box")
         row = "document.querySelector('[data-device={}]')"

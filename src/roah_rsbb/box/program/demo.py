@@ -1,4 +1,5 @@
-"""A demonstration in one program, without ROS, a network or a configuration: a box, and dummy robots.
+"""A demonstration in one program, without ROS, a network or a configuration: a box, and dummy robots. With the folder
+of a competition, it is a rehearsal: a dummy robot of each of its teams, and nothing in the folder is changed.
 
 The organiser's page opens in a browser. Choose the zone, connect, start, and mark scores while the dummy robot works.
 With --scripted, and where there is no browser, a scripted referee takes a dummy robot through a task benchmark and a
@@ -24,6 +25,7 @@ from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
 from roah_rsbb.ground.arguments import Parser, called, number, without_ros
 from roah_rsbb.ground.durable import close_to_others, write_file
 from roah_rsbb.ground.installed import shipped_folder
+from roah_rsbb.ground.params import BadParams
 
 ZONE = "Testing TestingTeam"
 # For each benchmark, further options of the scripted referee.
@@ -40,9 +42,11 @@ MOST_ROBOTS = 200
 
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(called("demo"), str(__doc__).strip())
+    parser.add_argument("folder", nargs="?", default="", metavar="FOLDER",
+                        help="rehearse the competition in this folder: with a copy of it")
     parser.add_argument("--scripted", action="store_true", help="use the scripted referee")
-    parser.add_argument("--robots", type=int, choices=range(1, MOST_ROBOTS + 1), default=1, metavar="N",
-                        help="number of dummy robots, each of another team (default: 1)")
+    parser.add_argument("--robots", type=int, choices=range(1, MOST_ROBOTS + 1), metavar="N",
+                        help="number of dummy robots, each of another team (default: 1; in a rehearsal: all teams)")
     parser.add_argument("--duration", type=number(0, 1e6), default=3.0, metavar="S",
                         help="seconds that a dummy robot takes to prepare, and for each goal (default: %(default)s)")
     parser.add_argument("--log-dir", default=os.path.join("~", ".roah_rsbb", "demo"), metavar="DIR",
@@ -67,11 +71,19 @@ def _own_passwords(log_dir: str) -> str:
     return path
 
 
-def settings(log_dir: str, **changes: str) -> settings_of.BoxSettings:
-    """Return the settings of the demonstration's box. `changes`: others than usual."""
+def copied(folder: str, log_dir: str) -> str:
+    """Return a copy of a competition's folder, without its log: a rehearsal changes its schedule. Raises OSError."""
+    copy = os.path.join(log_dir, "rehearsed")
+    shutil.rmtree(copy, ignore_errors=True)
+    return str(shutil.copytree(folder, copy, ignore=shutil.ignore_patterns("log")))
+
+
+def settings(log_dir: str, folder: str = "", **changes: str) -> settings_of.BoxSettings:
+    """Return the settings of the demonstration's box, or of that of a competition's folder. `changes`: others than
+    usual. Raises `BadParams`."""
     web_port = _free_port(FIRST_WEB_PORT)
-    return settings_of.BoxSettings({
-        **settings_of.defaults(), "rsbb_host": LOOPBACK_BROADCAST, "bind_host": BOX_HOST, "log_dir": log_dir,
+    return settings_of.of_competition(folder, {
+        "rsbb_host": LOOPBACK_BROADCAST, "bind_host": BOX_HOST, "log_dir": log_dir,
         "listen_duration": "0.2", "web_port": str(web_port), "tablet_port": str(_free_port(web_port + 1)),
         "devices": "false", **changes})
 
@@ -82,8 +94,13 @@ def main(arguments: Optional[List[str]] = None) -> None:
     close_to_others()
     log_dir = os.path.expanduser(options.log_dir)
     log_to_terminal(logging.WARNING if options.scripted else logging.INFO, log_dir)
-    # Each demonstration begins with the first event.
-    found = settings(log_dir, passwords_file=_own_passwords(log_dir), resume="never")
+    try:
+        own = {} if options.folder else {"passwords_file": _own_passwords(log_dir)}
+        # Each demonstration begins with the first event.
+        found = settings(log_dir, options.folder and copied(options.folder, log_dir), **own, resume="never")
+    except (BadParams, OSError, shutil.Error) as error:
+        sys.exit(f"{called('demo')}: {error}")
+    robots = options.robots or (MOST_ROBOTS if options.folder else 1)
     # Imported late: help needs none of it.
     from roah_rsbb.box.program.program import BoxProgram
     from roah_rsbb.robot.dummy import DummyOptions, dummy_client
@@ -99,12 +116,12 @@ def main(arguments: Optional[List[str]] = None) -> None:
         await program.start(door)
         config = program.config
         behaviour = DummyOptions(options.duration, options.duration)
-        for number_, team in enumerate(teams_of(config)[:options.robots]):
+        for number_, team in enumerate(teams_of(config)[:robots]):
             robot = dummy_client(
                 team, config.passwords[team], options=behaviour, rsbb_host=LOOPBACK_BROADCAST,
                 bind_host=f"127.0.0.{number_ + 2}", name_in_log=team, make_peer=air.peer)
             program.keep(robot.run())
-        if not options.scripted and await program.open_pages(in_browser=True):
+        if not options.scripted and (await program.open_pages(in_browser=True) or options.folder):
             await asyncio.get_event_loop().create_future()
         return await _scripted(door, log_dir)
 

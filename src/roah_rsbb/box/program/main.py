@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 LOG_FILE, MAX_LOG_BYTES = "box.log", 5_000_000
 _LINE = "%(asctime)s %(levelname)s %(message)s"
 _log = logging.getLogger(__name__)
-ALONE, SILENT = "--unsupervised", "--no-browser"
+ALONE, SILENT, DUMMIES = "--unsupervised", "--no-browser", "--dummy-robots"
 
 _EPILOG = """\
 settings, given as name:=value; those in FOLDER/competition.launch are their defaults:
@@ -43,12 +43,15 @@ Parameters of the core that no launch file has, such as allowed_skew:=0.2, can b
 def _parser(explains: bool) -> argparse.ArgumentParser:
     """`explains`: whether the settings are explained, for which their files are read."""
     parser = Parser(called("run"), str(__doc__).strip(), _explanation() if explains else "",
-                    usage=f"{called('run')} [-h] [--no-browser] [{ALONE}] [FOLDER] [name:=value ...]")
+                    usage=f"{called('run')} [-h] [--no-browser] [{ALONE}] [{DUMMIES}] [FOLDER] [name:=value ...]")
     parser.add_argument("folder", nargs="?", default="", metavar="FOLDER",
                         help="the competition's folder, made by 'roah-rsbb new'; without it, the settings say all")
     parser.add_argument(SILENT, action="store_true", help="do not open the pages in a browser")
     parser.add_argument(ALONE, action="store_true",
                         help="do not start the box again if it ends unexpectedly, because something else does")
+    parser.add_argument(DUMMIES, action="store_true",
+                        help="rehearse: with a dummy robot of each team, without a network, and with a copy of the "
+                             "folder. As 'demo FOLDER', which has more options")
     return parser
 
 
@@ -131,6 +134,10 @@ def main(arguments: Optional[List[str]] = None) -> None:
         [word for word in given if ":=" not in word])
     if not options.folder and not any(":=" in word for word in given):
         sys.exit(f"{called('run')}: which competition? Give its FOLDER")
+    if options.dummy_robots:
+        from roah_rsbb.box.program import demo
+
+        demo.main([options.folder])
     close_to_others()
     # Imported late, because the supervisor needs none of it before it has started the box.
     if not options.unsupervised:

@@ -13,7 +13,7 @@ import pytest
 from helpers.waiting import LIMIT_S, News
 from roah_rsbb.box import door
 from roah_rsbb.box.program import program
-from roah_rsbb.box.program.demo import settings
+from roah_rsbb.box.program.demo import copied, settings
 from roah_rsbb.box.program.main import serve
 from roah_rsbb.box.program.neighbours import InProcessClient
 from roah_rsbb.box.program.program import BoxProgram, door_file
@@ -24,6 +24,7 @@ from roah_rsbb.ground import durable
 from roah_rsbb.ground.params import BadParams
 from roah_rsbb.model.zone import ENDED, IDLE, RUNNING
 from roah_rsbb.robot.dummy import DummyOptions, dummy_client
+from roah_rsbb.tools.competition.program import main as new_competition
 
 ZONE, TEAM = "Testing TestingTeam", "TestingTeam"
 
@@ -337,6 +338,24 @@ def test_terminals_are_not_led_from_one_box_to_another(tmp_path, monkeypatch):
             write_place(usual, place.url, place.token)
             return door_file("other")
     assert asyncio.run(play()) == os.path.join("other", "door.json")
+
+
+def test_a_rehearsal_leaves_the_folder_as_it_is(tmp_path):
+    folder = tmp_path / "erl"
+    with pytest.raises(SystemExit):
+        new_competition([str(folder), "--teams", TEAM, "--benchmarks", "HWV", "--days", "2037-11-29"])
+    (folder / "log").mkdir()
+    before = {path: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+
+    async def play(copy):
+        async with Demonstration(tmp_path / "demo", folder=copy) as demo:
+            edit = {"action": "shift", "given": {"zone": "Task Benchmarks", "time": "40"}, "by": "Ann"}
+            looked, _ = await demo.ask("edit", **edit)
+            done, refused = await demo.ask("edit", **edit, seen=looked["seen"])
+            assert done["done"] and not refused
+    asyncio.run(play(copied(str(folder), str(tmp_path / "demo"))))
+    assert {path: path.read_bytes() for path in folder.iterdir() if path.is_file()} == before
+    assert (tmp_path / "demo" / "rehearsed" / "schedule.yaml~").exists()
 
 
 def test_two_boxes_of_a_user_are_not_at_the_same_address_and_port(tmp_path, monkeypatch):
