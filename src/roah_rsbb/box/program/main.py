@@ -135,9 +135,8 @@ def main(arguments: Optional[List[str]] = None) -> None:
     if not options.folder and not any(":=" in word for word in given):
         sys.exit(f"{called('run')}: which competition? Give its FOLDER")
     if options.dummy_robots:
-        from roah_rsbb.box.program import demo
-
-        demo.main([options.folder])
+        command = without_ros("demo", options.folder)
+        os.execvp(command[0], command)
     close_to_others()
     # Imported late, because the supervisor needs none of it before it has started the box.
     if not options.unsupervised:
