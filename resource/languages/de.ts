@@ -857,13 +857,13 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>{number} marks, all sent</source>
-        <translation>{number} Einträge, alle gesendet</translation>
+        <source>Marks: {number}, all sent</source>
+        <translation>Eingaben: {number}, alle gesendet</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>{number} marks, {waiting} waiting</source>
-        <translation>{number} Einträge, {waiting} warten</translation>
+        <source>Marks: {number}, {waiting} waiting</source>
+        <translation>Eingaben: {number}, davon warten {waiting}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -897,8 +897,68 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>{number} older entries are in the sheet of the run</source>
-        <translation>{number} ältere Einträge sind im Bogen des Laufs</translation>
+        <source>Older entries, in the sheet of the run: {number}</source>
+        <translation>Ältere Einträge, im Bogen des Laufs: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Captain</source>
+        <translation>Kapitän</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Read the sheet, then sign with a finger. Whoever refuses says why</source>
+        <translation>Lesen Sie den Bogen und unterschreiben Sie mit dem Finger. Wer ablehnt, sagt warum</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Comment</source>
+        <translation>Kommentar</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Sign</source>
+        <translation>Unterschreiben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Refuse to sign</source>
+        <translation>Unterschrift ablehnen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Clear</source>
+        <translation>Löschen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Our score sheets</source>
+        <translation>Unsere Wertungsbögen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Runs that are over are listed here, for the captain to read and sign.</source>
+        <translation>Hier stehen beendete Läufe, die der Kapitän liest und unterschreibt.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Made before the sign-off, arrived after it. Who accepts one signs the new sheet</source>
+        <translation>Vor dem Abzeichnen eingegeben, danach angekommen. Wer annimmt, zeichnet den neuen Bogen ab</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Accept</source>
+        <translation>Annehmen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Drop</source>
+        <translation>Verwerfen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Earlier today</source>
+        <translation>Heute schon</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -2276,6 +2336,61 @@
         <source>no</source>
         <translation>nein</translation>
     </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Restart</source>
+        <translation>Neustart</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Restarted</source>
+        <translation>Neu gestartet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Inactive</source>
+        <translation>Untätig</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Active again</source>
+        <translation>Wieder aktiv</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Removed</source>
+        <translation>Entfernt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Longer time</source>
+        <translation>Mehr Zeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Disqualified</source>
+        <translation>Disqualifiziert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Cheating</source>
+        <translation>Betrug</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Absent</source>
+        <translation>Nicht erschienen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Commands received</source>
+        <translation>Befehle erhalten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>Extra run</source>
+        <translation>Zusatzlauf</translation>
+    </message>
     <message numerus="yes">
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>({n} not attempted)</source>
@@ -2561,6 +2676,26 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Signed by captain {name} at {time}</source>
+        <translation>Von Kapitän {name} um {time} unterschrieben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Captain {name} refused to sign at {time}</source>
+        <translation>Kapitän {name} lehnte um {time} die Unterschrift ab</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Corrected after captain {name} signed at {time}</source>
+        <translation>Korrigiert, nachdem Kapitän {name} um {time} unterschrieben hatte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
+        <source>Corrected after captain {name} refused to sign at {time}</source>
+        <translation>Korrigiert, nachdem Kapitän {name} um {time} die Unterschrift abgelehnt hatte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
         <source>A moment to remember: no text yet</source>
         <translation>Gemerkter Moment: noch ohne Text</translation>
     </message>
@@ -2623,16 +2758,6 @@
         <location filename="../../src/roah_rsbb/wording/timeline.py"/>
         <source>dropped by {name} at {time}</source>
         <translation>von {name} um {time} verworfen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
-        <source>Captain {name} refused to sign at {time}</source>
-        <translation>Kapitän {name} lehnte um {time} die Unterschrift ab</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/timeline.py"/>
-        <source>Signed by captain {name} at {time}</source>
-        <translation>Von Kapitän {name} um {time} unterschrieben</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/times.py"/>
@@ -3019,6 +3144,11 @@
         <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>Objections to answer</source>
         <translation>Zu beantwortende Einsprüche</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
+        <source>Marks from before the sign-off to decide on</source>
+        <translation>Eingaben von vor dem Abzeichnen, über die zu entscheiden ist</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
@@ -5760,11 +5890,6 @@
         <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Name of the captain</source>
         <translation>Name des Kapitäns</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/model/actions.py"/>
-        <source>Comment</source>
-        <translation>Kommentar</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>

@@ -9,7 +9,8 @@ import {Log} from "/assets/log.js";
 import {DayEdits} from "/assets/day.js";
 import {Devices} from "/assets/devices.js";
 import {Pairings} from "/assets/pairings.js";
-import {Facts, FinishedRun} from "/assets/runs.js";
+import {Facts} from "/assets/captain.js";
+import {FinishedRun} from "/assets/runs.js";
 
 const ALARM_HZ = 550;
 

@@ -1,6 +1,6 @@
 // The page of a referee, judge or organiser on a phone, tablet or laptop (docs/web.md, "Referees").
 
-import {Component, Icon, address, countdown, html, parameters, useEffect, useLayoutEffect, useRef, useState} from "/assets/parts.js";
+import {Component, Icon, TeamMark, address, countdown, html, parameters, useEffect, useLayoutEffect, useRef, useState} from "/assets/parts.js";
 import {render} from "/assets/vendor/preact-htm.js";
 import {Live} from "/assets/live.js";
 import {ask, reasonsText, roleText} from "/assets/device.js";
@@ -12,7 +12,7 @@ import {lockWhenIdle} from "/assets/lock.js";
 import {Missing, stayAwake} from "/assets/phone.js";
 import {Nav, Part, isSent, partsOf} from "/assets/box.js";
 import {HeadReferee, JudgeRun} from "/assets/judging.js";
-import {FinishedRun} from "/assets/runs.js";
+import {FinishedRun, Proposals} from "/assets/runs.js";
 import {RefusedMark, Sheet, counted} from "/assets/sheet.js";
 
 const SILENT_S = 2.2;
@@ -255,10 +255,8 @@ const undo = (last, texts) => state.marks.undo(last, texts.undo.replace("{mark}"
 
 // -- parts --------------------------------------------------------------------------------------------
 
-const initials = (team) => {
-  const words = team.split(/[\s_-]+/).filter(Boolean);
-  return (words.length > 1 ? words.map((word) => word[0]).join("") : team).slice(0, 2).toUpperCase();
-};
+// A phase without its capitals, which are for texts that have no colours.
+const quietly = (text) => text.replace(/^[\p{Lu} ]+(?!\p{Ll})/u, (loud) => loud[0] + loud.slice(1).toLowerCase());
 
 function useTicks() {
   const [, redraw] = useState(0);
@@ -275,10 +273,10 @@ function Run({zone, zones, texts}) {
   const clock = useTicks(), {look} = zone;
   useSignals(zone, state.live.data["page.clock"]);
   const who = html`
-    <span class="team-mark" aria-hidden="true">${initials(zone.team)}</span>
+    <${TeamMark} key=${zone.team} team=${zone.team} live=${state.live} />
     <span class="names"><span class="team short" role="heading" aria-level="1">${zone.team}</span>
       <span class="short"><${Icon} name=${look} solid=${["executing", "stopped"].includes(look)} /><span class="unseen">${texts.state}: </span>
-        ${zone.zone}${zones && zones.length > 1 && " ▾"} · <span class="phase">${zone.phase_text}</span></span></span>`;
+        ${zone.zone}${zones && zones.length > 1 && " ▾"} · <span class="phase">${quietly(zone.phase_text)}</span></span></span>`;
   return html`
     <section class="strip band run ${zone.phase} ${look} ${clock.pause ? "paused" : ""}" aria-label=${texts.time}>
       ${zones ? html`<button type="button" class="who zones" data-meaning="zones" aria-expanded=${state.isChoosing} onClick=${() => choose(!state.isChoosing)}>${who}</button>`
@@ -351,7 +349,7 @@ function Incident({zone, item, texts}) {
   return html`
     <button type="button" class=${isOn ? "active" : ""} data-incident=${item.incident} data-meaning=${`${item.desc} ${isOn}`} onClick=${act}>
       ${isOn ? html`<b>${countdown(left)}</b>` : html`<${Icon} name=${INCIDENTS[item.incident]} />`}
-      <span>${item.desc}${item.after ? "" : ` ${number}${item.max ? `/${item.max}` : ""}`}</span>
+      <span>${item.name}${item.after ? "" : ` ${number}${item.max ? `/${item.max}` : ""}`}</span>
       ${isOn && html`<span class="progress" style="--part: ${1 - left / Number(item.after)}"></span>`}
     </button>`;
 }
@@ -384,7 +382,7 @@ function Happening({one, zone, texts}) {
     state.marks.add({zone: zone.zone, identity: zone.identity, command: "note", number: one.number, text: typed.trim(), shown: typed.trim()});
   };
   return html`
-    <li class=${how || ""}><time>${one.clock || one.time}</time><span class="chip ${look}"><${Icon} name=${sign} solid=${SOLID.includes(sign)} /></span>
+    <li class=${how || ""}><time>${one.clock || one.time.split(":").slice(0, 2).join(":")}</time><span class="chip ${look}"><${Icon} name=${sign} solid=${SOLID.includes(sign)} /></span>
       <span><span class=${["mark", "note"].includes(kind) ? "" : "phase"}>${one.text}${one.note && `: ${one.note}`}</span>
         <small>${[one.who && [one.who, one.role].filter(Boolean).join(", "), one.said].filter(Boolean).join(" · ")}</small></span>
       ${kind === "note" ? html`<button type="button" class="button quiet" data-meaning=${one.id} onClick=${() => setTyped(typed === null ? "" : null)}>${texts.add_text}</button>`
@@ -411,6 +409,7 @@ function Checks({zone, texts}) {
     <section class="checks" aria-label=${texts.state}>
       <div class="sheet-head"><h2>${zone.title}</h2><p class="quiet small">${zone.facts}</p></div>
       <${State} zone=${zone} />
+      <${Earlier} zone=${zone} texts=${texts} />
       ${zone.robots.length > 0 && html`<div class="controls block">${zone.robots.map((robot) => html`
         <${zone.questions.connect ? Twice : Command} key=${robot} label=${texts.connect_robot.replace("{robot}", () => robot)}
           question=${texts.really} act=${() => give("connect", texts, robot, shownOf(zone, "connect", texts.actions.connect, {robot}))} />`)}</div>`}
@@ -422,6 +421,11 @@ const State = ({zone}) => html`
     ${zone.warnings.map((text) => html`<li key=${text}><span class="chip warning"><${Icon} name="warning" /></span><span>${text}</span></li>`)}
     ${zone.state.map((line) => html`<li key=${line}><span class="chip"><${Icon} name="check" /></span><span>${line}</span></li>`)}
   </ul>`;
+
+// Incidents of earlier runs of the team: a warning may be the second one.
+const Earlier = ({zone, texts}) => zone.earlier.length > 0 && html`
+  <ul class="rows" aria-label=${texts.earlier}>${zone.earlier.map(({run, text}) => html`
+    <li key=${run}><span class="chip penalty"><${Icon} name="flag" /></span><span>${texts.earlier}: ${text} <small>${run}</small></span></li>`)}</ul>`;
 
 // What waits, in a line: the oldest that is late, and how many there are.
 function waitingText(marks, texts) {
@@ -488,7 +492,7 @@ const actionsOf = (zone, texts) => placedOf(zone, texts).map((one) => one && may
 function placedOf(zone, texts) {
   const one = (name, more = {}) => oneOf(zone, texts, name, more);
   const isOn = (name) => name in zone.off && zone.shown[name] && zone.off[name].length === 0;
-  const run = zone.unsigned.find(({is_here}) => is_here), again = one("start", {label: texts.continue, isTwice: true});
+  const run = toSign(zone), again = one("start", {label: texts.continue, isTwice: true});
   if (zone.switches && zone.switches.to_confirm) {
     return [{name: "confirm_switches", label: texts.confirm, small: texts.switches, act: () => give("confirm_switches", texts, texts.confirm)}];
   }
@@ -502,12 +506,18 @@ function placedOf(zone, texts) {
   if (zone.phase === "ended") {
     return [one("disconnect"), again];
   }
-  if (run && zone.judging.every(({identity, count}) => identity !== run.identity || count === 0)) {
+  if (run) {
     const isWaiting = state.marks.waiting.some(({identity}) => identity === run.identity);
     return [{name: "sign_off", key: `${run.identity} ${run.revision}`, label: texts.sign_off, small: unheardText(run, texts) || run.score, isTwice: true, question: texts.really, icon: "sign",
       reasons: isWaiting ? [texts.marks_wait] : [], act: () => give("sign_off", texts, texts.sign_off, {identity: run.identity})}, one("connect")];
   }
   return zone.questions.connect ? [one("next"), one("connect")] : zone.robots.length > 0 ? [] : [one("connect")];
+}
+
+// The run of the present event that waits for its sign-off. Where judges score, the head referee settles first.
+function toSign(zone) {
+  const run = zone.unsigned.find(({is_here}) => is_here);
+  return run && zone.judging.every(({identity, count}) => identity !== run.identity || count === 0) ? run : undefined;
 }
 
 // Whose devices may have marks that did not arrive.
@@ -676,7 +686,7 @@ function Over({zone, texts}) {
       <ul class="unsigned">${zone.unsigned.map((run) => html`
         ${run.unheard.length > 0 && html`<li class="banner warning">${unheardText(run, texts)}</li>`}
         <${FinishedRun} key=${run.identity} zone=${zone} run=${run} marks=${state.marks} texts=${texts} give=${give}
-          undo=${(last) => undo(last, texts)} />`)}</ul>
+          undo=${(last) => undo(last, texts)} isInDock=${zone.phase === "idle" && run === toSign(zone)} />`)}</ul>
       ${zone.unlisted > 0 && html`<p class="facts">${texts.hidden.replace("{number}", () => zone.unlisted)}</p>`}
     </details>`;
 }
@@ -731,11 +741,14 @@ function ZonePage({zone, zones, session, texts, isOld}) {
         ${zone.items.length > 0 && !isJudged && part(texts.sheet, html`
           <${Sheet} key="${zone.identity} ${isBefore}" zone=${zone} happenings=${happenings()} marks=${marks} texts=${texts} judge=${judge} give=${may(texts, "in_time") ? give : null} isFixed=${!may(texts, "mark")} only="items"
             onMark=${(item) => endInactivity(zone, item)} />`)}
+        ${may(texts, "decide") && zone.phase !== "running" && part(texts.proposals, html`<fieldset disabled=${isOld}>${zone.proposed.map((run) => html`
+          <${Proposals} key=${run.identity} zone=${zone} run=${run} texts=${texts} give=${give} />`)}</fieldset>`)}
         ${may(texts, "sign_off") && ["idle", "ended"].includes(zone.phase) && part(texts.unsigned, html`<fieldset disabled=${isOld}><${Over} zone=${zone} texts=${texts} /></fieldset>`)}
       </div>
       ${!judge && html`<div class="aside">
         ${isInstruction && part(ask[0], html`<fieldset disabled=${isOld}><${Instruction} key=${asked} zone=${zone} texts=${texts} name=${ask[0]} action=${ask[1]} /></fieldset>`)}
-        <${Drawer} name="happened" title=${zone.incidents} texts=${texts}>${part(zone.incidents, html`<${Sheet} zone=${zone} marks=${marks} texts=${texts} give=${give} isFixed=${!may(texts, "mark")} only="incidents" />`)}<//>
+        <${Drawer} name="happened" title=${zone.incidents} texts=${texts}>${part(zone.incidents, html`<${Sheet} zone=${zone} marks=${marks} texts=${texts} give=${give} isFixed=${!may(texts, "mark")} only="incidents" />
+          <${Earlier} zone=${zone} texts=${texts} />`)}<//>
         <${Drawer} name="timeline" title=${texts.timeline} texts=${texts}>${part(texts.timeline, html`<${Timeline} zone=${zone} texts=${texts} />`)}<//>
         <${Drawer} name="more" title=${texts.more} texts=${texts}>${part(texts.commands, html`<fieldset disabled=${isOld}><${More} zone=${zone} zones=${zones} texts=${texts} session=${session} /></fieldset>`)}<//>
         ${isInstruction ? null : asked ? html`<section class="dock"><${Command} label=${ask[1].label} small=${zone.todo} isMain act=${open} /></section>`

@@ -1,15 +1,16 @@
 // A run that is over: its score sheet with history and ends, its sign-off, its way to the final result (docs/web.md).
 
 import {html, useEffect, useState} from "/assets/parts.js";
+import {Captain, Facts, itemLines} from "/assets/captain.js";
 import {reasonsText} from "/assets/device.js";
 import {send} from "/assets/commands.js";
-import {Twice} from "/assets/buttons.js";
+import {Command, Twice} from "/assets/buttons.js";
 import {HeadReferee, Objecting, Publication, Reasoned, replayAt} from "/assets/judging.js";
 import {Sheet, Steps} from "/assets/sheet.js";
 
 // `run`: as in the zone's list of those that wait for a sign-off, or with more from the list of all runs. Whoever pressed
-// its sign-off once, and sees another score then, presses twice again.
-export function FinishedRun({zone, run, marks, texts, undo, give, events = []}) {
+// its sign-off once, and sees another score then, presses twice again. `isInDock`: the sign-off is there.
+export function FinishedRun({zone, run, marks, texts, undo, give, events = [], isInDock = false}) {
   const judged = zone.judging.find((one) => one.identity === run.identity);
   const isOpen = run.is_closed === false, isJudged = run.is_judged || Boolean(judged && judged.count > 0);
   return html`
@@ -18,8 +19,10 @@ export function FinishedRun({zone, run, marks, texts, undo, give, events = []}) 
       <p>${[run.end, run.score, run.sheet].filter(Boolean).join(" · ")}</p>
       <${WholeSheet} zone=${zone} run=${run} marks=${marks} texts=${texts} undo=${undo} give=${give}
         isFixed=${run.is_signed} hasItems=${!run.is_signed && !isJudged} />
+      ${!isOpen && html`<${WholeSheet} zone=${zone} run=${run} texts=${texts} give=${give} isFixed isForCaptain />`}
+      ${run.number > 0 && html`<${Proposals} zone=${zone} run=${run} texts=${texts} give=${give} />`}
       ${isJudged && run.sheet && judged && html`<${HeadReferee} zone=${zone.zone} run=${judged} texts=${texts} give=${give} />`}
-      ${!run.is_signed && html`
+      ${!run.is_signed && !isInDock && html`
         <${Twice} key=${run.revision} name="sign_off" label=${texts.sign_off} question=${texts.really}
           reasons=${isOpen ? [texts.still_connected] : marks.waiting.some((mark) => mark.identity === run.identity) ? [texts.marks_wait] : []}
           act=${() => give("sign_off", texts, texts.sign_off, {identity: run.identity})} />`}
@@ -56,9 +59,8 @@ function PutRight({run, events, texts, give}) {
     </details>`;
 }
 
-// It is fetched while it is open, again after each change. `hasItems`: they can be corrected here.
-function WholeSheet({zone, run, marks, texts, undo, give, isFixed, hasItems}) {
-  const [isOpen, setOpen] = useState(false);
+// The score sheet of a run, fetched while it is open, again after each change; and why it cannot be shown.
+function useSheet(zone, run, texts, isOpen) {
   const [sheet, setSheet] = useState(null);
   const [trouble, setTrouble] = useState("");
   useEffect(() => {
@@ -75,10 +77,35 @@ function WholeSheet({zone, run, marks, texts, undo, give, isFixed, hasItems}) {
       isCurrent = false;
     };
   }, [isOpen, run.revision]);
+  return [sheet, trouble];
+}
+
+// Marks that arrived after the sign-off: one touch accepts or drops each.
+export function Proposals({zone, run, texts, give}) {
+  const [sheet, trouble] = useSheet(zone, run, texts, true);
+  const found = (sheet ? sheet.timeline : []).filter((one) => one.kind === "proposal" && one.state === "proposed");
+  const decide = (one, label, accept) => give("decide", texts, label, {identity: run.identity, number: one.number, accept});
+  return html`
+    <section class="proposals block" data-run=${run.identity}>
+      <p><strong>${run.title}</strong></p>
+      <p class="banner warning">${trouble || texts.proposals}</p>
+      <ul>${found.map((one) => html`
+        <li key=${one.id}><p><b>${one.text} ${one.change}</b> ${one.note}
+            <small>${[one.clock || one.time, one.who, one.role, one.arrived].filter(Boolean).join(" · ")}</small></p>
+          <div class="controls">
+            <${Command} name="accept" label=${texts.accept} act=${() => decide(one, texts.accept, true)} />
+            <${Command} name="drop" label=${texts.drop} act=${() => decide(one, texts.drop, false)} /></div></li>`)}</ul>
+    </section>`;
+}
+
+// `hasItems`: they can be corrected here. `isForCaptain`: who reads it, and signs.
+function WholeSheet({zone, run, marks, texts, undo, give, isFixed, hasItems, isForCaptain = false}) {
+  const [isOpen, setOpen] = useState(false);
+  const [sheet, trouble] = useSheet(zone, run, texts, isOpen);
   const enter = (name, label, more) => give(name, texts, label, {identity: run.identity, ...more});
   return html`
-    <button type="button" class="button" data-command="correct" aria-expanded=${isOpen} onClick=${() => setOpen(!isOpen)}>
-      ${isOpen ? texts.close : hasItems ? texts.correct : texts.sheet}</button>
+    <button type="button" class="button" data-command=${isForCaptain ? "captain_reads" : "correct"} aria-expanded=${isOpen} onClick=${() => setOpen(!isOpen)}>
+      ${isOpen ? texts.close : isForCaptain ? `${texts.captain} …` : hasItems ? texts.correct : texts.sheet}</button>
     ${isOpen && trouble && html`<p class="alarm" role="alert">${trouble}</p>`}
     ${isOpen && sheet && html`
       <div class="correction">
@@ -88,9 +115,10 @@ function WholeSheet({zone, run, marks, texts, undo, give, isFixed, hasItems}) {
         ${hasItems ? html`
           <${Sheet} zone=${{...sheet, zone: zone.zone, identity: run.identity}} marks=${marks} texts=${texts} undo=${undo}
             give=${give} />` : html`
-          <${Facts} lines=${sheet.items.map((item) => [`${item.group}: ${item.desc}`, item.shown])} />
+          <${Facts} lines=${itemLines(sheet.items)} />
           <p class="points">${sheet.points}</p><${Steps} steps=${sheet.steps} texts=${texts} />`}
         <${Facts} lines=${sheet.module} />
+        ${isForCaptain ? html`<${Captain} signs=${sheet.captain} texts=${texts} act=${(given) => enter("captain", texts.captain, given)} />` : html`
         <details class="history"><summary>${texts.history}: ${sheet.history.length}</summary>
           <ul>${sheet.history.map((entry) => html`
             <li key=${entry.number} class=${entry.is_withdrawn ? "withdrawn" : ""} data-entry=${entry.number}><p>${entry.number}. ${entry.text}</p>
@@ -102,7 +130,7 @@ function WholeSheet({zone, run, marks, texts, undo, give, isFixed, hasItems}) {
             <li key=${end.number}><p>${end.number}. ${end.text}${end.reason && `: ${end.reason}`}</p>
               ${!isFixed && end.is_stop && html`<${Asked} name="stop_reason" label=${texts.stop_reason} texts=${texts}
                 act=${(reason) => enter("stop_reason", texts.stop_reason, {reason, stop: end.number})} />`}</li>`)}</ul>
-        </details>
+        </details>`}
       </div>`}`;
 }
 
@@ -116,10 +144,4 @@ function Asked({name, label, texts, act}) {
   };
   return isOpen ? html`<${Reasoned} name=${name} label=${label} texts=${texts} act=${done} />`
     : html`<button type="button" class="button" data-command=${name} onClick=${() => setOpen(true)}>${label} …</button>`;
-}
-
-// Names and values.
-export function Facts({lines}) {
-  return lines.length > 0 && html`
-    <dl class="named">${lines.map(([name, value]) => html`<div key=${name}><dt>${name}</dt><dd>${value}</dd></div>`)}</dl>`;
 }

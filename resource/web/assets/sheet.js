@@ -42,7 +42,7 @@ function Item({item, zone, waiting, refused, mark, texts, judge, give, happening
     mark(item, {note, ...given}, shown);
     setNote("");
   };
-  const name = item.desc, isBool = item.type === "bool", isCount = COUNTS.includes(item.type);
+  const {name} = item, isBool = item.type === "bool", isCount = COUNTS.includes(item.type);
   const canEnter = !judge && !isFixed, isTouched = canEnter && (isBool || isCount || isShare(item));
   const count = isTouched ? counted(item, waiting) : 0, isWaiting = waiting.length > 0;
   const before = isShare(item) ? Number(item.text || 0) : item.value;
@@ -60,7 +60,7 @@ function Item({item, zone, waiting, refused, mark, texts, judge, give, happening
     : enter({added: String(sign * item.step)}, `${sign > 0 ? "+" : "−"}${item.step}${isShare(item) ? " %" : ""}`);
   const late = waiting.some((one) => one.isLate), hasHelp = item.help || item.decided.length > 0;
   return html`
-    <li class="item ${item.is_penalty ? "penalty" : item.under ? "modifier" : ""} ${count > 0 ? "given" : ""}" data-item=${name}>
+    <li class="item ${item.is_penalty ? "penalty" : item.under ? "modifier" : ""} ${count > 0 ? "given" : ""}" data-item=${item.desc}>
       <button type="button" class="item-name" aria-expanded=${isOpen} data-meaning=${name} onClick=${() => setOpen(!isOpen)}>${name}
         <small><b class="shown ${hasPoints && (isBool || !isTouched && !item.text) ? "unseen" : ""}">${shown}</b> ${item.worth} ${
           hasHelp && html`<b class="ask">?</b>`}</small></button>
@@ -144,7 +144,7 @@ function Groups({groups, zone, row, texts}) {
         ${isMany && html`<div class="repeats">${some.map(([one]) => html`
           <button type="button" key=${one} data-meaning=${one} aria-current=${one === name ? "true" : undefined} onClick=${() => setChosen({...chosen, [of]: one})}>
             <b>${one.slice(of.length)}</b><small>${(zone.groups || {})[one] || "–"}</small></button>`)}</div>`}
-        ${zone.points && html`<p class="total">${i === 0 ? html`<b>${zone.total}</b> <span class="quiet small">${texts.points_in_all}</span>` : !isMany && html`<span class="quiet">${zone.groups[name]}</span>`}</p>`}
+        ${zone.points && html`<p class="total">${i === 0 ? html`<b>${zone.total.replace("-", "−")}</b> <span class="quiet small">${texts.points_in_all}</span>` : !isMany && html`<span class="quiet">${zone.groups[name]}</span>`}</p>`}
       </div>
       <ul key="items of ${name}">${items.map(row)}</ul>`;
   });

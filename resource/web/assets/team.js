@@ -1,6 +1,7 @@
 // What is public about a team. Its name is the end of the address.
 
 import {Line, Standing, TeamMark, Trouble, Zone, html, parameters, show, troubleText, useEffect, useState} from "/assets/parts.js";
+import {Captain, Facts, itemLines} from "/assets/captain.js";
 import {ask, reasonsText} from "/assets/device.js";
 
 const ALL = "ALL";
@@ -70,7 +71,14 @@ function Robot({name, live, texts, words}) {
           <button class="button">${texts.see_robot}</button>
         </form>`}
     </section>
-    <${Protests} name=${name} found=${found.protests} load=${load} texts=${texts} words=${words} />`;
+    <${Protests} name=${name} found=${found.protests} load=${load} texts=${texts} words=${words} />
+    ${found.runs && html`
+      <section>
+        <h2>${texts.our_sheets}</h2>
+        ${found.runs.length > 0 ? html`<ul class="panel lines">${found.runs.map((run) => html`
+          <${OwnSheet} key=${run.identity} path=${path} run=${run} texts=${texts} words=${words} />`)}</ul>`
+          : html`<p class="panel empty quiet">${texts.nothing_to_read}</p>`}
+      </section>`}`;
 }
 
 // What the team objects to, and what became of it. `found`: see ProtestHandler.
@@ -107,6 +115,34 @@ function Protests({name, found, load, texts, words}) {
           <button class="button">${texts.object}</button>
         </form>`}
     </section>`;
+}
+
+// The score sheet of a run of the team, which its captain reads and signs.
+function OwnSheet({path, run, texts, words}) {
+  const [sheet, setSheet] = useState(null);
+  const [isOpen, setOpen] = useState(false);
+  const [trouble, setTrouble] = useState("");
+  const send = async (given) => {
+    const answer = await ask("POST", `${path}/sheet`, {identity: run.identity, language: words.language, ...given});
+    const isDone = answer.status === 200;
+    setTrouble(isDone ? "" : reasonsText(answer, texts));
+    setSheet(isDone ? answer.body : sheet);
+    return isDone;
+  };
+  useEffect(() => {
+    isOpen && send();
+  }, [isOpen, run.revision]);
+  return html`
+    <li class="line own-sheet">
+      <button type="button" class="button" aria-expanded=${isOpen} onClick=${() => setOpen(!isOpen)}>${run.title}<small>${[run.score, run.sheet].filter(Boolean).join(" · ")}</small></button>
+      <${Trouble} text=${isOpen && trouble} />
+      ${isOpen && sheet && html`
+        <p class="quiet">${sheet.facts.join(" · ")}</p>
+        <${Facts} lines=${[...itemLines(sheet.items), ...sheet.module]} />
+        <p>${sheet.points}</p>
+        <ul>${sheet.steps.map((step) => html`<li key=${step} class="quiet">${step}</li>`)}</ul>
+        <${Captain} signs=${sheet.captain} texts=${texts} act=${send} />`}
+    </li>`;
 }
 
 function Team({live, words}) {

@@ -231,13 +231,15 @@ class ScoreDesk:
         run = self.named(name)
         self.report_correction(run, run.say_in_time(now, by, number, in_time))
 
-    def take_back(self, now: Now, name: RunName, mark_id: str, who: str = "", note: str = "") -> None:
+    def take_back(
+        self, now: Now, name: RunName, mark_id: str, who: str = "", note: str = "", ago_ms: int = 0
+    ) -> None:
         """Take back a mark that set an item, once, however often this arrives. Raises `Refused`."""
         if not name.identity:
             raise Refused([NAME_THE_RUN])
         by = By(checked_who(who), checked_note(note))
         run = self.named(name)
-        self.report_correction(run, run.take_back(now, by, mark_id))
+        self.report_correction(run, run.take_back(now, by, mark_id, ago_ms))
 
     def captain(self, now: Now, name: RunName, sign: CaptainSign) -> None:
         """Take the captain's signature, or the refusal to sign. Raises `Refused`."""

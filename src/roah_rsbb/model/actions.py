@@ -140,10 +140,10 @@ _AGO = Number("ago_ms", say("Made so long ago"), required=False, unit="ms")
 # A mark is sent again until the box has it; with an `id` it is applied once.
 _MARK = (*_VALUE, TypedText("added", say("What to add"), required=False), Field("judge", _JUDGE, required=False),
          TypedText("note", _NOTE, required=False), Field("id", _ID, required=False),
-         Field("device", _DEVICE, required=False), _AGO)
+         Field("device", _DEVICE, required=False))
 _ENTRIES = (
     Action("mark", say("Mark an item"), say("Set an item of the score sheet, or add to it"),
-           (*_MARK, Field("role", _ROLE, required=False)), durable=True, roles=(*MARKERS, *JUDGES)),
+           (*_MARK, _AGO, Field("role", _ROLE, required=False)), durable=True, roles=(*MARKERS, *JUDGES)),
     Action("judge_mark", say("Mark an item of a judge"), say("On the judge's own sheet"), _MARK, durable=True,
            roles=JUDGES),
     Action("withdraw", say("Withdraw the entry"), say("The entry of the score sheet no longer counts; others stay"),
@@ -152,7 +152,7 @@ _ENTRIES = (
            say("What an entry marks was seen before the time limit, so it counts; it was entered later"),
            (Number("entry", _NUMBER, low=1), Toggle("late", say("No, it was late"), required=False)), durable=True),
     Action("take_back", say("Take back the mark"), say("A mark that set an item no longer counts"),
-           (Field("id", _ID), TypedText("note", _NOTE, required=False)), durable=True, roles=MARKERS),
+           (Field("id", _ID), TypedText("note", _NOTE, required=False), _AGO), durable=True, roles=MARKERS),
     Action("note", say("Note this moment"),
            say("With the clock of the run. Its text can be entered later: name the note by its number or its id"),
            (TypedText("text", _TEXT, required=False), Number("number", _NUMBER, required=False),

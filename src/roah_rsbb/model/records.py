@@ -152,15 +152,17 @@ class TimelineEntry(NamedTuple):
 
 
 class Proposal(NamedTuple):
-    """A mark that was made before the sign-off and arrived after it. It counts if a referee accepts it."""
+    """A mark that was made before the sign-off and arrived after it, or that one was taken back. It counts if a referee
+    accepts it."""
 
     number: int  # 1, 2, … within the run
-    entry: ScoreEntry  # which the mark would make
+    entry: ScoreEntry  # which the mark would make; or the opposite of the one that is taken back
     mark_id: str
     decided_utc: float = 0.0  # UTC seconds; 0.0: not yet
     decided_by: str = ""
     accepted: bool = False
     reason: str = ""  # of the decision
+    takes_back: int = 0  # number of the entry of the history that no longer counts; 0: it is a mark
 
 
 class Occurred(enum.Enum):
@@ -238,6 +240,7 @@ class CaptainSign(NamedTuple):
     comment: str = ""  # of a refusal, the reason
     drawing: str = ""  # the signature: lines such as M10 20L30 40, on a field of 400 times 150; empty: none
     who: str = ""  # on whose device
+    outdated: bool = False  # the sheet was corrected after it; worked out when it is shown, and never kept
 
 
 class JudgeSheet(NamedTuple):

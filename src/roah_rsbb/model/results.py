@@ -59,6 +59,7 @@ class RunLine(NamedTuple):
     can_undo: bool = False  # that it was annulled, moved or reopened can be taken back
     protests_until_utc_s: Optional[float] = None  # its team may object on its own page; None: not
     objections: Tuple[ObjectionLine, ...] = ()  # oldest first
+    incidents: Tuple[Tuple[str, int], ...] = ()  # those that happened, and how often
 
     @property
     def is_annulled(self) -> bool:

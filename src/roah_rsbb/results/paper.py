@@ -19,6 +19,7 @@ from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent
 from roah_rsbb.rulebook.standing_rules import DEFAULT, Rules
 from roah_rsbb.scoring.counting import amount_of, exact
 from roah_rsbb.scoring.standings import standing_of_run
+from roah_rsbb.scoring.timeline import captain_signs
 from roah_rsbb.scoring.tree import LATE, RULINGS
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.sheets import counting_text, scores_by_group
@@ -127,7 +128,7 @@ def _captain_of(record: RunRecord, in_utc: bool) -> Tuple[str, str]:
     """Return what stands below the team's line, and the signature on it."""
     if not record.captain:
         return SIGNERS[1], ""
-    sign = record.captain[-1]
+    sign = captain_signs(record)[-1]
     text = captain_text(sign, partial(date_time, in_utc=in_utc))
     return cut(f"{text}: {sign.comment}" if sign.comment else text, MAX_FACT), sign.drawing
 

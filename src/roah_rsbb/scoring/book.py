@@ -275,6 +275,25 @@ class RunBook:
         self.state.proposals.append(Proposal(len(self.state.proposals) + 1, entry, mark.id))
         return Marked(before, f"Proposed after the sign-off: {mark.group}: {mark.desc}")
 
+    def propose_taking_back(self, now: Now, by: By, mark_id: str, ago_ms: int) -> str:
+        """Keep that a mark was taken back before the sign-off, which arrives after it. One that is only proposed is
+        dropped. Returns a text for the referee; empty: it was taken back before. Raises `Refused`."""
+        for each in self.state.proposals:
+            if each.mark_id == mark_id:
+                return "" if each.decided_utc else self.decide(
+                    now, by._replace(reason="taken back"), each.number, False, "")
+        found = replace(self.state.sheet, history=list(self.sheet.history))
+        entry = ScoreSheet(self.form.items, found, self.rules).take_back(now, by.who, mark_id)  # whether it could be
+        if entry is None or any(each.takes_back == entry.number for each in self.state.proposals):
+            return ""
+        undone = entry._replace(
+            number=0, utc=now.utc - ago_ms / 1000, who=by.who, old=entry.value, value=entry.old, old_text=entry.text,
+            text=entry.old_text, old_not_attempted=entry.not_attempted, not_attempted=entry.old_not_attempted,
+            points="", note=by.reason, arrived_utc=now.utc, clock_s=None, in_time=False, in_time_by="", void="",
+            withdrawn_utc=0.0, withdrawn_by="", withdrawn_note="", withdrawal_corrects=False)
+        self.state.proposals.append(Proposal(len(self.state.proposals) + 1, undone, "", takes_back=entry.number))
+        return f"Proposed after the sign-off: to take entry {entry.number} back: {entry.group}: {entry.desc}"
+
     def is_proposed(self, mark_id: str) -> bool:
         """Whether a mark arrived after the sign-off."""
         return any(each.mark_id == mark_id for each in self.state.proposals)
@@ -288,7 +307,10 @@ class RunBook:
             raise Refused([say("{who} has decided on the proposed mark {number} already")(
                 who=sheets.person(found.decided_by) or "somebody", number=number)])
         entry, text = found.entry, "dropped"
-        if accept:
+        if accept and found.takes_back:
+            self.withdraw(now, By(entry.who, entry.note), found.takes_back)
+            text = "accepted"
+        elif accept:
             mark = Mark(**{name: getattr(entry, name) for name in Mark._fields if name in entry._fields},
                         id=found.mark_id)
             points = self._total(end_reason)
@@ -586,10 +608,12 @@ class FinishedRun:
         self._check_open()
         return self._changed(self._book.say_in_time(by.who, number, in_time).text)
 
-    def take_back(self, now: Now, by: By, mark_id: str) -> str:
+    def take_back(self, now: Now, by: By, mark_id: str, ago_ms: int = 0) -> str:
         """Take back a mark; the text is empty if it was taken back before. Raises `Refused`."""
         if self._book.sheet.is_taken_back(mark_id):
             return ""
+        if self._was_before_sign_off(now, ago_ms):
+            return self._changed(self._book.propose_taking_back(now, by, mark_id, ago_ms))
         self._check_open()
         return self._changed(self._book.take_back(now, by, mark_id).text)
 

@@ -2,7 +2,7 @@
 
 from typing import Iterable, Tuple
 
-from roah_rsbb.model.records import ItemRecord, RunRecord, ScoreEntry
+from roah_rsbb.model.records import CaptainSign, ItemRecord, RunRecord, ScoreEntry
 from roah_rsbb.model.results import HistoryEntry, ProposedMark, RunEnd, RunTimeline, VersionLine
 from roah_rsbb.model.scoring import ScoreKind
 from roah_rsbb.scoring.tree import is_late
@@ -26,8 +26,8 @@ def run_timeline(record: RunRecord) -> RunTimeline:
         tuple(RunEnd(number, stop.utc, stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by, stop.clock_s)
               for number, stop in enumerate(record.stops, 1)),
         record.timeline, record.outages, record.closed_utc or None, None if signed is None else signed.utc,
-        "" if signed is None else signed.who, _proposals(record), record.captain, version_lines(record), record.changes,
-        record.publication.objections)
+        "" if signed is None else signed.who, _proposals(record), captain_signs(record), version_lines(record),
+        record.changes, record.publication.objections)
 
 
 def version_lines(record: RunRecord) -> Tuple[VersionLine, ...]:
@@ -48,6 +48,15 @@ def version_lines(record: RunRecord) -> Tuple[VersionLine, ...]:
 
 def _value_of(item: ItemRecord) -> Tuple[object, ...]:
     return item.value, item.text, item.not_attempted, item.points
+
+
+def captain_signs(record: RunRecord) -> Tuple[CaptainSign, ...]:
+    """Return the captain's signatures, with whether the sheet was corrected after them."""
+    changed = [utc for entry in record.history for utc in (entry.utc, entry.arrived_utc, entry.withdrawn_utc)]
+    changed += [line.replaced_utc_s for line in version_lines(record)
+                if line.changed or line.points != line.then_points]
+    last = max(changed, default=0.0)
+    return tuple(sign._replace(outdated=True) if sign.utc < last else sign for sign in record.captain)
 
 
 def _entries(record: RunRecord, entries: Iterable[ScoreEntry]) -> Iterable[HistoryEntry]:

@@ -3,7 +3,7 @@
 import asyncio
 import functools
 from concurrent.futures import Future
-from typing import Any, Dict, NamedTuple, Protocol, Tuple
+from typing import Any, Callable, Dict, NamedTuple, Protocol, Tuple
 
 from roah_rsbb.client.client import Answer
 from roah_rsbb.document.calls import DEVICES, EDIT, EDITS, SET_DEVICE
@@ -211,6 +211,7 @@ class CommandHandler(FromOwnPage):
 
 async def carried_out(
     server: Any, session: DeviceSession, name: str, body: Dict[str, Any], language: str,
+    is_allowed: Callable[[Command], bool] = may,
 ) -> Tuple[int, Dict[str, Any]]:
     """Carry out a command of a device. Returns the status and the answer, see `CommandHandler.post`."""
     speaking = functools.partial(server.store.speaking, language)
@@ -219,7 +220,7 @@ async def carried_out(
     except BadCommand as bad:
         with speaking():
             return 400, {"reasons": [tr_said(bad.args[0])]}
-    if not may(command):
+    if not is_allowed(command):
         with speaking():
             return 403, {"reasons": [tr(device.NOT_ALLOWED, role=role_text(*session.grant))]}
     outcome = await server.command(command)

@@ -21,7 +21,7 @@ from typing import (
 )
 
 from roah_rsbb.document.calls import RING
-from roah_rsbb.model.actions import READS, REFEREE
+from roah_rsbb.model.actions import READS, REFEREES
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.document import Document
 from roah_rsbb.model.messages import DevicesSeen
@@ -42,6 +42,8 @@ from roah_rsbb.wording.whole_box import LinkQuality
 
 # Runs without judges that are over and not signed off. Of more, the page says how many there are.
 MAX_UNSIGNED = 50
+# Runs on the page of a team.
+MAX_TEAM_RUNS = 20
 # Items of a timeline. The sheet of the run has all.
 MAX_TIMELINE = 100
 
@@ -50,7 +52,7 @@ class Absent(NamedTuple):
     """A paired device that may mark, and is not connected: marks may be waiting on it."""
 
     name: str  # who has it, and the role
-    seen_utc: float  # UTC seconds
+    seen_utc: float  # UTC seconds: until then it was heard
 
 
 def zone_page(zone: ZoneSeen, document: Document, utc_s: float, absent: Sequence[Absent] = ()) -> Data:
@@ -95,10 +97,11 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float, absent: Sequence
         "switches": None if zone.switches is None else zone.switches._asdict(),
         "items": [item_page(item) for item in zone.items],
         "incidents": sheets.incidents_text(zone.items),
+        "earlier": _earlier(zone, document.runs(), utc_s),
         **_sums(zone.points),
         "unsigned": [{**_unsigned_run(run, moments, utc_s, absent), "is_here": _is_of(run, event)} for run in unsigned],
-        "proposed": [{"identity": run.identity, "title": run_name(run), "number": run.proposals}
-                     for run in runs if run.proposals],
+        "proposed": [{"identity": run.identity, "title": _timed_name(run, moments, utc_s), "number": run.proposals,
+                      "revision": run.revision} for run in runs if run.proposals],
         "unlisted": len(waiting) - len(unsigned),
         # First that of the run in the zone, so that no judge takes another one for it.
         "judging": [_judging(judgings[run.identity], run, moments, utc_s)
@@ -106,6 +109,15 @@ def zone_page(zone: ZoneSeen, document: Document, utc_s: float, absent: Sequence
                     if run.identity in judgings and (
                         run.closed_utc_s is None or run in unsigned or judgings[run.identity].open_objections)],
     }
+
+
+def _earlier(zone: ZoneSeen, runs: Iterable[RunLine], utc_s: float) -> List[Data]:
+    """Return the incidents in other runs of the team of the zone today: a warning may be the second one."""
+    found = [run for run in runs if run.incidents and run.team == zone.event.team and run.identity != zone.identity]
+    day = formatted(utc_s, "%Y-%m-%d", in_utc=False)
+    return [{"run": f"{run.code}, {_MOMENTS.time_of_day(run.opened_utc_s)}",
+             "text": sheets.incidents_said(run.incidents)}
+            for run in found if formatted(run.opened_utc_s, "%Y-%m-%d", in_utc=False) == day]
 
 
 def moment(document: Document, utc_s: float) -> Tuple[object, ...]:
@@ -184,7 +196,8 @@ def _figure(figure: Figure) -> Data:
 def item_page(item: SheetItem) -> Data:
     """Return a scoring item."""
     return {
-        "group": item.group, "desc": item.desc, "type": item.type, "value": item.value,
+        "group": item.group, "desc": item.desc, "type": item.type,
+        "name": tr(item.desc) if item.group == INCIDENTS else item.desc, "value": item.value,
         "text": item.text, "not_attempted": item.not_attempted, "points": number(item.points),
         "shown": sheets.item_text(item), "late": item.late, "void": tr_said(item.void), "unit": item.unit,
         "is_incident": item.group == INCIDENTS, "under": item.under, "each": item.each, "after": item.after,
@@ -202,8 +215,10 @@ def _unsigned_run(run: RunLine, moments: Moments, utc_s: float, absent: Sequence
     return {"identity": run.identity, "revision": run.revision, "title": _timed_name(run, moments, utc_s),
             "end": with_counting(sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason), run.counts),
             "score": tr_said(run.score),
-            # Before the sign-off: on these devices, marks of the run may wait.
-            "unheard": [one.name for one in absent if one.seen_utc >= run.opened_utc_s]}
+            # Before the sign-off: on these devices, marks of the run may wait. Whoever was heard after the run was left
+            # had a link then, over which all marks of the run came.
+            "unheard": [one.name for one in absent
+                        if run.opened_utc_s <= one.seen_utc < (run.closed_utc_s or math.inf)]}
 
 
 def run_name(run: RunLine) -> str:
@@ -269,7 +284,7 @@ class PartShown(NamedTuple):
     own: str  # the only one in which the device may act; empty: all
     now: Now
     links: LinkQuality
-    people: Sequence[DeviceSession] = ()  # with devices that are connected
+    people: Sequence[DeviceSession] = ()  # with devices that are connected, see `Desk`
 
     @property
     def second(self) -> int:
@@ -326,7 +341,9 @@ def _open(shown: PartShown) -> List[Data]:
     unsigned = [run for run in runs.values() if run.is_unsigned]
     judgings = [one for one in document.judging.values() if one.identity in runs]
     alone = [zone.zone for zone in zones
-             if not any(one.grant.role == REFEREE and one.grant.allows(zone.zone) for one in shown.people)]
+             if not any(one.grant.role in REFEREES and one.grant.zone == zone.zone for one in shown.people)]
+
+    late = [run for run in runs.values() if run.proposals]
 
     def judged(number: Callable[[Judging], int], what: str) -> List[Data]:
         return of_runs(sum(map(number, judgings)), what, [runs[one.identity] for one in judgings if number(one)])
@@ -337,6 +354,7 @@ def _open(shown: PartShown) -> List[Data]:
 
     return [
         *of_runs(len(unsigned), whole_box.TO_SIGN, unsigned),  # the last one is the oldest
+        *of_runs(sum(run.proposals for run in late), whole_box.TO_DECIDE, late),
         *judged(lambda one: one.open_objections, whole_box.TO_ANSWER),
         *judged(lambda one: one.differences, whole_box.TO_SETTLE),
         *([{"count": len(alone), "what": tr(whole_box.ALONE), "more": ", ".join(alone), "part": ROBOTS,
@@ -435,11 +453,17 @@ def _run(run: RunLine, shown: PartShown) -> Data:
         "score": tr_said(run.score), "sheet": "; ".join([*([f"⚠ {tr(sheets.NOT_SAVED)}"] if unsaved else []),
                             *([tr(sheets.CORRECTED)] if run.corrected and not run.versions else []), sheet]),
         "is_closed": run.closed_utc_s is not None, "is_signed": run.signed_utc_s is not None,
-        "is_judged": judged is not None and judged.count > 0, "code": run.code,
+        "is_judged": judged is not None and judged.count > 0, "code": run.code, "number": run.proposals,
         "put_right": [name for name, is_on in (
             ("object", True), ("annul", not run.is_annulled), ("move", True), ("reopen", run.signed_utc_s is not None),
             ("undo", run.can_undo)) if is_on and run.closed_utc_s is not None],
     }
+
+
+def captain_page(sheet: RunSheet) -> List[Data]:
+    """Return the captain's signature; empty: there is none."""
+    return [{"text": captain_text(sign, _MOMENTS.time_of_day), "comment": sign.comment, "drawing": sign.drawing,
+             "refused": sign.refused, "outdated": sign.outdated} for sign in sheet.captain[-1:]]
 
 
 def whole_sheet_page(sheet: RunSheet) -> Data:
@@ -455,9 +479,7 @@ def whole_sheet_page(sheet: RunSheet) -> Data:
             {"number": entry.number, "is_withdrawn": entry.withdrawn_utc_s is not None,
              "text": sheets.entry_line(sheets.entry_texts(entry, _MOMENTS.time_of_day))}
             for entry in reversed(sheet.history[-MAX_HISTORY:])],
-        "captain": [{"text": captain_text(sign, _MOMENTS.time_of_day), "comment": sign.comment, "drawing": sign.drawing,
-                     "refused": sign.refused} for sign in sheet.captain[-1:]],
-        "proposals": [each.number for each in sheet.proposals if each.decided_utc_s is None],
+        "captain": captain_page(sheet),
         "corrections": [page_item(item) for item in corrections(sheet.timeline, _MOMENTS.time_of_day)],
         "timeline": [page_item(item) for item in timeline(sheet.timeline, _MOMENTS.time_of_day)],
         "ends": [
@@ -554,6 +576,12 @@ def part_page(part: str, shown: PartShown) -> Optional[Data]:
     return PARTS[part].make(shown) if shown.zone in shown.document.zones else None
 
 
+def _of_team(document: Optional[Document], team: str) -> List[RunLine]:
+    """Return the runs of a team that are over."""
+    return [] if document is None else [
+        run for run in document.runs() if run.team == team and run.closed_utc_s is not None]
+
+
 ZONE, CLOCK, ZONES, TIMELINE = "page.zone", "page.clock", "page.zones", "page.timeline"
 # What STOP needs, without a text: of a zone, or with "" of all zones.
 STOP = "page.stop"
@@ -567,8 +595,8 @@ class Desk(Numbered):
         self, store: Store, people: Callable[[], Sequence[DeviceSession]] = tuple,
         absent: Callable[[str], Sequence[Absent]] = lambda zone: (),
     ) -> None:
-        """`people`: with devices that are connected; `absent` returns the devices that may mark in a zone and are not
-        connected now."""
+        """`people`: with devices that are connected, an organiser as of the zone whose page is open; `absent`
+        returns the devices that may mark in a zone and are not connected now."""
         super().__init__(store.box, store.session)
         self._store, self._people, self._absent = store, people, absent
         self._shown: Set[Key] = set()  # see `show`
@@ -599,6 +627,19 @@ class Desk(Numbered):
                 "objections": [{"title": run_name(run), "text": one.text,
                                 "answer": judging.answer_text(one) or tr(judging.NO_ANSWER)}
                                for run in runs for one in run.objections if one.by == team]}
+
+    def team_runs(self, team: str, language: str) -> List[Data]:
+        """Return the runs of a team that are over, the newest first, as its captain sees them."""
+        document = self.box.document
+        with self._store.speaking(language):
+            return [{"identity": run.identity, "revision": run.revision, "score": tr_said(run.score),
+                     "title": _timed_name(run, _MOMENTS, self.box.now().utc),
+                     "sheet": sheets.sheet_state(run.closed_utc_s, run.signed_utc_s)}
+                    for run in _of_team(document, team)[:MAX_TEAM_RUNS]]
+
+    def run_of_team(self, team: str, identity: str) -> Optional[str]:
+        """Return the zone of a run that is over; None: the team has no such run."""
+        return next((run.zone for run in _of_team(self.box.document, team) if run.identity == identity), None)
 
     def show(self, shown: Iterable[Key]) -> None:
         """Make documents for these from now on, and for no others: language and zone, and where a part of the page of

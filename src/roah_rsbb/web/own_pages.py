@@ -48,11 +48,15 @@ class OfDevice(Guarded):
 
     def session(self) -> Optional[DeviceSession]:
         """Return the session of the device; None: it is not paired."""
-        token = self.get_cookie(self.cookie(COOKIE))
-        session = None if not token else self._server.sessions.of(self._server.utc(), token, self.is_encrypted)
+        session = self.seen()
         if session is not None:
             self._server.know(getattr(self.request.connection, "stream", None), self.request.remote_ip or "")
         return session
+
+    def seen(self) -> Optional[DeviceSession]:
+        """Note that the device is heard now, also at the end of its connection. Returns its session."""
+        token = self.get_cookie(self.cookie(COOKIE))
+        return self._server.sessions.of(self._server.utc(), token, self.is_encrypted) if token else None
 
     @property
     def is_encrypted(self) -> bool:

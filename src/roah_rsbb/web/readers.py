@@ -144,7 +144,8 @@ class DeviceEventsHandler(OfDevice, Reader):
         self._server.devices_changed()
 
     def on_close(self) -> None:
-        """Free the place."""
+        """Free the place. Until now, the device was heard."""
+        self.seen()
         super().on_close()
         self._server.devices_changed()
 

@@ -40,7 +40,7 @@ from roah_rsbb.web.serving import (
     policy,
     set_headers,
 )
-from roah_rsbb.web.teams import CODE, CodesHandler, ProtestHandler, TeamCodes, TeamHandler
+from roah_rsbb.web.teams import CODE, CodesHandler, ProtestHandler, TeamCodes, TeamHandler, TeamSheetHandler
 from roah_rsbb.wording.device import TOO_MANY_TEAM_GUESSES
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.public import FIRST_PAGE, NO_PAGE, NO_SCRIPT
@@ -252,9 +252,11 @@ class WebServer:
         })
 
     def people(self) -> List[DeviceSession]:
-        """Return the sessions whose devices are connected."""
-        connected = self.connected()
-        return [session for session in self.sessions.listed(self.utc()) if session.id in connected]
+        """Return the sessions whose devices are connected. An organiser with the page of a zone has that zone."""
+        connected = {device.session_id: device.key for device in self.devices if device.key is not None}
+        found = [session for session in self.sessions.listed(self.utc()) if session.id in connected]
+        return [one if one.grant.zone or len(connected[one.id]) > 2 else one._replace(
+            grant=one.grant._replace(zone=connected[one.id][1])) for one in found]
 
     def connected(self) -> Set[str]:
         """Return the ids of the sessions whose devices are connected."""
@@ -433,7 +435,7 @@ def _routes(folder: str) -> List[Tuple[str, Type[web.RequestHandler], Dict[str, 
             ("stop", StopEventsHandler), ("commands/([a-z_]+)", CommandHandler), ("pair", PairHandler),
             ("session", SessionHandler), ("pairings", PairingsHandler), ("displays", DisplaysHandler),
             ("codes", CodesHandler), ("teams/([^/]+)", TeamHandler),
-            ("teams/([^/]+)/protest", ProtestHandler),
+            ("teams/([^/]+)/protest", ProtestHandler), ("teams/([^/]+)/sheet", TeamSheetHandler),
         )),
         (r"api/v1/schemas/([a-z]+\.json)", SchemaHandler, {"path": os.path.join(folder, "schemas")}),
         ("worker[.]js", WorkerHandler, page),

@@ -6,13 +6,13 @@ Codes are derived from one secret, which is kept. So they are the same after a r
 import hashlib
 import hmac
 import secrets
-from typing import Any, Dict
+from typing import Any, Dict, Tuple
 
 from tornado import web
 
 from roah_rsbb.ground.kept_file import Save, SavedBeside
-from roah_rsbb.model.actions import OBJECT, ORGANISER
-from roah_rsbb.web.commands import carried_out
+from roah_rsbb.model.actions import ENTRIES, OBJECT, ORGANISER
+from roah_rsbb.web.commands import SHEET, carried_out
 from roah_rsbb.web.own_pages import FromOwnPage, OfOrganiser
 from roah_rsbb.web.pairing import CODE_LENGTH, SIGNS, DeviceSession, Grant, TooManyGuesses, signs_of
 from roah_rsbb.web.serving import TOO_MANY_REQUESTS
@@ -72,6 +72,10 @@ class TeamCodes:
 
 ALL, CODE = TEAM_PAGES = ("all", "code")
 COOKIE = "roah_rsbb_team"
+CAPTAIN = "captain"
+# What the captain gives and sees: no names and notes of referees.
+_OF_CAPTAIN = tuple(field.name for field in ENTRIES[CAPTAIN].fields)
+_OF_SHEET = ("facts", "items", "points", "steps", "module", "captain")
 
 
 class _OfTeam(FromOwnPage):
@@ -89,9 +93,10 @@ class TeamHandler(_OfTeam):
         if not self._may_see(team):
             self.finish({"is_allowed": False, "facts": None})
             return
-        desk = self._server.desk
-        self.finish({"is_allowed": True, "facts": desk.team_facts(team, self.language()) if desk.is_heard else None,
-                     **({"protests": desk.protests(team, self.language())} if self.has_code(team) else {})})
+        desk, language = self._server.desk, self.language()
+        self.finish({"is_allowed": True, "facts": desk.team_facts(team, language) if desk.is_heard else None, **({
+            "runs": desk.team_runs(team, language), "protests": desk.protests(team, language)}
+            if self.has_code(team) else {})})
 
     def post(self, name: str) -> None:
         """Take the code of the team, and answer with a cookie."""
@@ -132,6 +137,33 @@ class ProtestHandler(_OfTeam):
             "second": self.body.get("second", 0)}, self.language())
         self.set_status(status)
         self.finish(answer)
+
+
+class TeamSheetHandler(_OfTeam):
+    """The score sheets of a team's runs, for its captain, who signs them or refuses."""
+
+    async def post(self, name: str) -> None:
+        """Return the sheet of a run as its captain sees it, after the captain's signature if the body has one: the
+        fields of the action `captain`. Whoever reads it has the team's code, whatever `team_pages` says."""
+        team, server = _team(name), self._server
+        if not self.has_code(team):
+            raise web.HTTPError(403)
+        zone, identity = server.desk.run_of_team(team, self.text("identity")), self.text("identity")
+        if zone is None:
+            raise web.HTTPError(404)
+        captain = DeviceSession(team, Grant(CAPTAIN, zone), self.text("name") or team, "page of", server.utc())
+        status, answer = 200, {}
+        if "name" in self.body:
+            body = {key: value for key, value in self.body.items() if key in _OF_CAPTAIN}
+            status, answer = await self._do(captain, CAPTAIN, {**body, "zone": zone, "identity": identity})
+        if status == 200:
+            status, answer = await self._do(captain, SHEET, {"zone": zone, "identity": identity})
+            answer = {key: value for key, value in answer.items() if key in _OF_SHEET} if status == 200 else answer
+        self.set_status(status)
+        self.finish(answer)
+
+    async def _do(self, captain: DeviceSession, command: str, body: Dict[str, Any]) -> Tuple[int, Dict[str, Any]]:
+        return await carried_out(self._server, captain, command, body, self.language(), lambda _command: True)
 
 
 class CodesHandler(OfOrganiser):

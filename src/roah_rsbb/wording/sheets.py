@@ -127,8 +127,9 @@ ROLES = {
     "referee": tr_later("Referee"), "assistant": tr_later("Assistant"), "judge": tr_later("Judge"),
     "timekeeper": tr_later("Timekeeper"), "observer": tr_later("Observer"), "organiser": tr_later("Organiser"),
 }
-# The core writes the name that was typed, if any, and the node that called (docs/ros_interface.md).
-_WITH_NODE = re.compile(r"(.*) \((/[^\s()]*)\)")
+# The core writes the name that was typed, if any, and the node that called (docs/ros_interface.md): a ROS node, or a
+# part of a box without ROS.
+_WITH_NODE = re.compile(r"(.*) \(((?:/|roah_rsbb)[^\s()]*)\)")
 
 
 def person(who: str) -> str:
@@ -254,10 +255,22 @@ def ratings_text(ratings: Iterable[Tuple[str, str]]) -> str:
     return ", ".join(f"{judge} {number(text)}" for judge, text in ratings if text)
 
 
+# Incidents that many rule books have. Others are shown as the rules call them.
+KNOWN_INCIDENTS = (
+    tr_later("Restart"), tr_later("Restarted"), tr_later("Inactive"), tr_later("Active again"), tr_later("Removed"),
+    tr_later("Longer time"), tr_later("Disqualified"), tr_later("Cheating"), tr_later("Absent"),
+    tr_later("Commands received"), tr_later("Extra run"))
+
+
 def incidents_text(items: Iterable[SheetItem]) -> str:
     """Return the title of the incidents of a sheet, with those that happened, such as "Incidents: restart 1"."""
-    happened = ", ".join(f"{item.desc} {item.value}" for item in items if item.group == INCIDENTS and item.value)
+    happened = incidents_said((item.desc, item.value) for item in items if item.group == INCIDENTS and item.value)
     return f"{tr(_INCIDENTS)}: {happened}" if happened else tr(_INCIDENTS)
+
+
+def incidents_said(happened: Iterable[Tuple[str, int]]) -> str:
+    """Return incidents with how often each happened, such as "Restart 1, Removed 2"."""
+    return ", ".join(f"{tr(desc)} {count}" for desc, count in happened)
 
 
 def is_marked(value: int, text: str) -> bool:

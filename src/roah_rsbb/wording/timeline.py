@@ -25,6 +25,11 @@ _TITLES = {
 }
 _CHANGES = {ANNULLED: tr_later("Annulled: it counts nothing"), REOPENED: tr_later("Score sheet reopened")}
 PROPOSED = tr_later("It was made before the sign-off and arrived after it: accept or drop it")
+# Of the captain. A correction of the sheet makes what was said before it outdated.
+SIGNED, REFUSED = (tr_later("Signed by captain {name} at {time}"),
+                   tr_later("Captain {name} refused to sign at {time}"))
+CORRECTED_SIGNED, CORRECTED_REFUSED = (tr_later("Corrected after captain {name} signed at {time}"),
+                                       tr_later("Corrected after captain {name} refused to sign at {time}"))
 NO_TEXT = tr_later("A moment to remember: no text yet")
 
 
@@ -42,7 +47,7 @@ class TimelineItem(NamedTuple):
     who: str = ""
     role: str = ""  # in words; empty: not known
     note: str = ""  # typed with a mark, or the reason of an end
-    state: str = ""  # withdrawn, late, void, correction, proposed, dropped or refused; empty: as usual
+    state: str = ""  # withdrawn, late, void, correction, proposed, dropped, refused or outdated; empty: as usual
     said: str = ""  # the state in words
     number: int = 0  # of the entry in the history, of the note, or of the end; 0: none
     group: str = ""  # of the item that was marked
@@ -72,7 +77,7 @@ def _after(run: RunTimeline, when: When) -> Iterator[TimelineItem]:
     for place, sign in enumerate(run.captain, 1):
         yield _plain(CAPTAIN, place, sign.utc, when)._replace(
             text=captain_text(sign, when), note=sign.comment, who=sheets.person(sign.who),
-            state="refused" if sign.refused else "")
+            state="refused" if sign.refused else "outdated" if sign.outdated else "")
     for version in run.versions:
         yield _plain(SIGN_OFF, version.number, version.signed_utc_s, when)._replace(
             who=sheets.person(version.signed_by))
@@ -185,10 +190,10 @@ def points_text(points: str) -> str:
 
 
 def captain_text(sign: CaptainSign, when: When) -> str:
-    """Return that the captain signed, or refused to."""
-    if sign.refused:
-        return tr("Captain {name} refused to sign at {time}", name=sign.name, time=when(sign.utc))
-    return tr("Signed by captain {name} at {time}", name=sign.name, time=when(sign.utc))
+    """Return that the captain signed, or refused to; and that the sheet was corrected afterwards."""
+    said = (CORRECTED_REFUSED if sign.outdated else REFUSED) if sign.refused else (
+        CORRECTED_SIGNED if sign.outdated else SIGNED)
+    return tr(said, name=sign.name, time=when(sign.utc))
 
 
 def said_of(item: TimelineItem) -> str:

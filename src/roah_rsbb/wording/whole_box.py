@@ -49,6 +49,7 @@ ROBOT_COLUMNS = (
 LINK, SKEW = 2, 3  # columns that are explained
 # What waits for somebody.
 TO_SIGN, TO_ANSWER = tr_later("Score sheets to sign off"), tr_later("Objections to answer")
+TO_DECIDE = tr_later("Marks from before the sign-off to decide on")
 TO_SETTLE, ALONE = tr_later("Items to settle"), tr_later("Zones without the phone of a referee")
 NO_RUN, NO_ROBOT = "–", tr_later("No robot is heard")
 

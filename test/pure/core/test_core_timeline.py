@@ -219,6 +219,56 @@ def test_a_mark_that_arrives_after_the_sign_off_is_proposed_and_changes_nothing_
     assert world.box.scores.record_of(world.now, world.name) == record
 
 
+def test_a_mark_that_was_taken_back_before_the_sign_off_is_proposed_if_that_arrives_after_it(world):
+    def found(number, **given):
+        world.act("mark", group=FOUND.group, desc=FOUND.desc, value=1, id=f"m{number}", device="phone 1", **given)
+
+    def standing():
+        record = world.box.scores.record_of(world.now, world.name)
+        return record.points.total, [(each.takes_back, each.accepted, each.reason) for each in record.proposals]
+
+    world.act("start")
+    world.robot.lives(20.0)
+    found(1)
+    world.act("disconnect", running=True)
+    world.act("sign_off", "Ada")
+    world.run(60.0)
+    with pytest.raises(Refused, match="it is final"):
+        world.act("take_back", id="m1", ago_ms=10_000)
+    for _ in range(2):
+        world.act("take_back", id="m1", ago_ms=70_000)
+    assert standing() == ("80", [(1, False, "")])
+    (shown,) = [item for item in timeline.timeline(run_timeline(world.box.scores.record_of(world.now, world.name)),
+                                                   Moments(True).time_of_day) if item.kind == "proposal"]
+    assert (shown.text, shown.change, shown.state) == (FOUND.desc, "no", "proposed")
+    world.act("decide", "Ben", number=1, accept=True)
+    assert standing() == ("0", [(1, True, "")])
+    found(2, ago_ms=70_000)
+    world.act("take_back", id="m2", ago_ms=69_000)  # of a mark that is only proposed
+    assert standing() == ("0", [(1, True, ""), (0, False, "taken back")])
+
+
+def test_a_signature_of_the_captain_is_outdated_when_the_sheet_is_corrected_after_it(world):
+    def signed():
+        record = world.box.scores.record_of(world.now, world.name)
+        (sign,) = [item for item in timeline.timeline(run_timeline(record), Moments(True).time_of_day)
+                   if item.kind == "captain"]
+        assert sign.text in str(front_markup(front_of(record, None, "", True))).replace("2027-01-15 ", "")
+        return sign.state, sign.text.partition(" at ")[0]
+
+    world.act("start")
+    world.act("mark", group=FOUND.group, desc=FOUND.desc, value=1, id="m")
+    world.act("disconnect", running=True)
+    world.act("captain", "Ada", name="Cleo")
+    world.act("sign_off", "Ada")
+    assert signed() == ("", "Signed by captain Cleo")
+    world.run(60.0)
+    waited(world, 70.0, 1)
+    assert signed() == ("", "Signed by captain Cleo"), "nobody has accepted it"
+    world.act("decide", "Ben", number=1, accept=True)
+    assert signed() == ("outdated", "Corrected after captain Cleo signed")
+
+
 def test_the_captain_signs_or_refuses_with_a_reason_and_the_last_one_holds(world):
     def captain(**given):
         world.act("captain", "Ada", name="Cleo", **given)

@@ -127,14 +127,15 @@ def test_the_overview_has_each_clock_and_what_needs_attention(world):
 def test_the_overview_lists_what_waits_for_somebody_and_what_comes(world):
     phone = DeviceSession("1", REFEREE, "Rita", "iPhone", NOW)
     world.desk = Desk(Store(world.box, GERMAN), lambda: [phone])
-    runs = [run_of(1), run_of(2), run_of(3, signed_utc_s=NOW), run_of(1, "Hall", closed_utc_s=None)]
+    runs = [run_of(1), run_of(2), run_of(3, signed_utc_s=NOW, proposals=3), run_of(1, "Hall", closed_utc_s=None)]
     judging = {"Home 2": Judging("Home", "Home 2", differences=2, open_objections=1)}
     events = [event_of(1, state="running", current=True), event_of(2, begins_utc_s=NOW + 2000.0),
               event_of(3, state="done")]
     shown = world.part("overview", results={one.identity: one for one in runs}, judging=judging,
                        schedule={one.id: one for one in events})
     assert [(one["count"], one["what"], one["part"], one["zone"]) for one in shown["open"]] == [
-        (2, "Score sheets to sign off", "runs", "Home"), (1, "Objections to answer", "runs", "Home"),
+        (2, "Score sheets to sign off", "runs", "Home"),
+        (3, "Marks from before the sign-off to decide on", "runs", "Home"), (1, "Objections to answer", "runs", "Home"),
         (2, "Items to settle", "runs", "Home"), (1, "Zones without the phone of a referee", "robots", "Hall")]
     assert shown["open"][0]["more"].endswith("HWV, team Alpha, round 1, run 1"), "the oldest one"
     assert [one["people"] for one in shown["zones"]] == ["Rita (Referee)", ""]

@@ -198,16 +198,31 @@ def test_score_sheets_that_wait_for_a_signature(desk):
 
 
 def test_before_the_sign_off_devices_are_named_on_which_marks_may_wait():
-    absent = [Absent("Anna, Assistant", NOW + 1.0), Absent("Ben, Judge", NOW - 1.0)]
+    absent = [Absent("Anna, Assistant", NOW + 1.0), Absent("Ben, Judge", NOW - 1.0),
+              Absent("heard after the run was left", NOW + 60.0)]
     desk = Desk(Store(ShownBox(zone_of()), {}), tuple, lambda zone: absent if zone == "Home" else [])
     desk.show([("en", "Home")])
-    desk.box.show(zone_of(), results=by_identity(closed_run("a"), closed_run("b", signed=NOW)._replace(proposals=2)))
+    desk.box.show(zone_of(), results=by_identity(
+        closed_run("a", closed=NOW + 60.0), closed_run("b", signed=NOW)._replace(proposals=2)))
     desk.look()
     assert data(desk)["unsigned"][0]["unheard"] == ["Anna, Assistant"]
     assert [(run["identity"], run["number"]) for run in data(desk)["proposed"]] == [("b", 2)]
     absent.clear()
     desk.look()
     assert data(desk)["unsigned"][0]["unheard"] == []
+
+
+def test_incidents_of_other_runs_of_the_team_today():
+    desk = Desk(Store(ShownBox(zone_of()), {}))
+    desk.show([("en", "Home")])
+    team = zone_of().event.team
+    happened = (("Restart", 1), ("Own incident", 2))
+    runs = [closed_run(name)._replace(**{"incidents": happened, "team": team, **more}) for name, more in (
+        ("a", {}), ("quiet", {"incidents": ()}), ("other", {"team": "Others"}), ("old", {"opened_utc_s": NOW - 2e5}))]
+    desk.box.show(zone_of(), results=by_identity(*runs))
+    desk.look()
+    (found,) = data(desk)["earlier"]
+    assert found["text"] == "Restart 1, Own incident 2" and found["run"].startswith("HWV, ")
 
 
 def test_a_result_without_judges_can_be_published(desk):

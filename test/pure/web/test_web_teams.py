@@ -11,8 +11,10 @@ from helpers.served_pages import ServedPages
 from helpers.shown_box import MONO, NOW, zone_of
 from roah_rsbb.ground.kept_file import open_kept
 from roah_rsbb.model.document import RobotSeen
-from roah_rsbb.model.results import EventSeen
-from roah_rsbb.model.zone import RobotInRun
+from roah_rsbb.model.records import CaptainSign
+from roah_rsbb.model.results import EventSeen, HistoryEntry, RunLine, RunSheet
+from roah_rsbb.model.zone import RobotInRun, SheetItem
+from roah_rsbb.web.commands import Outcome
 from roah_rsbb.web.pairing import GUESSES_AT_ONCE
 from roah_rsbb.web.teams import ALL, CODE, FILE, TeamCodes
 from roah_rsbb.web.teams import COOKIE as TEAM_COOKIE
@@ -122,10 +124,10 @@ def test_the_next_event_with_its_estimated_time():
 class Served(ServedPages):
     """A server whose core was heard just now."""
 
-    def __init__(self, running):
+    def __init__(self, running, **parts):
         heard = box()
         heard.publish([run()], [event(team=TEAM)], [result("Beta"), result("Gamma", signed=False)], [standing()])
-        super().__init__(running, heard)
+        super().__init__(running, heard, **parts)
 
     def team(self, name=TEAM, **how):
         return self.ask(f"teams/{quote(name, safe='')}", **how)
@@ -162,6 +164,41 @@ def test_a_silent_box_is_not_known_to_hear_anything(served):
     served.server.team_pages = ALL
     served.box.is_old = True
     assert served.facts() == {"is_allowed": True, "facts": None}
+
+
+def test_the_captain_reads_and_signs_with_the_code_of_the_team(running):
+    given = []
+
+    async def command(sent):
+        given.append((sent.name, sent.zone, sent.fields, sent.session.who))
+        return Outcome(result=RunSheet(own, (), 60.0, (SheetItem("Goal", "Door", "bool", 1),), (
+            HistoryEntry(1, NOW, "Anna", "Goal", "Door", "bool", 0, False, 1, False, "a note"),), (),
+            captain=(CaptainSign(NOW, "Cleo", drawing="M1 2L3 4"),)) if sent.name == "sheet" else {})
+
+    own, others = (RunLine(name, 1, "Lab", "HWV", team, 1, 1, NOW, NOW, NOW, "stopped")
+                   for name, team in (("own", TEAM), ("others", "Others")))
+    served = Served(running, command=command)
+    try:
+        served.box.document = served.box.document._replace(results={
+            run.identity: run for run in (own, others)})
+        served.server.team_pages = ALL
+        cookie = f"{TEAM_COOKIE}={served.server.team_codes.token(TEAM)}"
+        assert [run["identity"] for run in served.facts(Cookie=cookie)["runs"]] == ["own"]
+        sheet = f"teams/{quote(TEAM, safe='')}/sheet"
+        for run, headers, code in (("own", {}, 403), ("others", {"Cookie": cookie}, 404)):
+            assert served.ask(sheet, body={"identity": run}, **headers).code == code
+        assert given == []
+        answer = served.ask(sheet, body={"identity": "own"}, Cookie=cookie)
+        found = json.loads(answer.body)
+        assert (found["items"][0]["shown"], found["captain"][0]["drawing"]) == ("yes", "M1 2L3 4")
+        assert "Anna" not in answer.body.decode() and "a note" not in answer.body.decode()
+        sign = {"name": "Cleo", "comment": "", "drawing": "M1 2L3 4", "refused": False}
+        assert served.ask(sheet, body={"identity": "own", "action": "reopen", **sign}, Cookie=cookie).code == 200
+    finally:
+        served.server.close()
+        running.turn()
+    assert [(name, zone) for name, zone, _, _ in given] == [(name, "Lab") for name in ("sheet", "captain", "sheet")]
+    assert given[1][2]["given"] == sign and given[1][3] == f"Cleo, captain, page of {TEAM}"
 
 
 def test_many_readers_behind_one_address_have_the_code(served):

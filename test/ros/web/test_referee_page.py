@@ -118,10 +118,11 @@ class TestRefereePage(NeedsBrowser, BoxCase):
             page.get(f"document.querySelector({json.dumps(selector)}).scrollIntoView({{block: 'center'}})")
             is_hit = page.tap(selector)
 
-    def press_twice(self, page: Page, name: str, question: str) -> None:
-        """Press a command, and again when it asks. A script does it: the page forgets the first press after 4 s. On a
-        busy machine it may do so before the script comes to the second one, which is then the first again."""
-        button = f"document.querySelector({json.dumps(command(name))})"
+    def press_twice(self, page: Page, name: str, question: str, inside: str = "") -> None:
+        """Press a command, and again when it asks. `inside`: the selector of what has it. A script does it: the page
+        forgets the first press after 4 s. On a busy machine it may do so before the script comes to the second one,
+        which is then the first again."""
+        button = f"document.querySelector({json.dumps(f'{inside} {command(name)}')})"
         page.wait(f"(b => b && !b.matches(':disabled'))({button})", f"{name} is on")
         page.get("window.pressed = -Infinity, 0")
         page.wait(f"(b => !b.dataset.changed && (b.textContent.includes({json.dumps(question)})) ? (b.click(), true) : "
@@ -223,7 +224,8 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.assertIn("Anna, Linux", self.sheet().ends[-1].who)
         history = self.sheet().history
         (who,) = {entry.who for entry in history}
-        self.assertRegex(who, r"^Anna \(roah_rsbb\), Linux [0-9a-f]{8}$")
+        self.assertRegex(who, r"^Anna, Linux [0-9a-f]{8} \(roah_rsbb\)$")
+        self.assertNotIn("roah_rsbb", page.get("document.querySelector('.timeline').innerText"))
         self.shot("ended", page)
         identity = self.box.zone_details(ZONE).identity
         self.press_twice(page, "disconnect", "Press again")
@@ -245,6 +247,7 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.assertTrue(self.sheet(identity).run.corrected)
         self.shot("correction", page)
         self.tap(page, command("correct"))
+        self.captain_signs(page, identity)
         self.tap(page, ".unsigned summary")
         self.publish(page, 300, "provisional · objections until")
         self.box.wait_current()
@@ -252,14 +255,32 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         self.assertEqual(state.objections_until_utc_s - state.published_utc_s, 300.0)
         self.publish(page, 0, "the time for objections is over")
         asks = page.note(f"{TEXT}.includes('Press again: Sign off')")
-        self.tap(page, command("sign_off"))
+        self.tap(page, f".dock {command('sign_off')}")
         page.wait(asks, "it asks")
         self.assertFalse(self.sheet(identity).run.signed_utc_s)
-        self.press_twice(page, "sign_off", "Press again")
+        self.press_twice(page, "sign_off", "Press again", ".dock")
         wait_until(lambda: self.sheet(identity).run.signed_utc_s, "the sheet is signed off")
         self.assertIn("Anna, Linux", self.sheet(identity).run.signed_by)
         network = ("WebSocket", "Failed to load resource")  # while a gateway is killed
         self.assertEqual([error for error in self.browser.errors if not any(mark in error for mark in network)], [])
+
+    def captain_signs(self, page: Page, identity: str) -> None:
+        """The captain reads the sheet on this phone, and signs it with a finger."""
+        self.tap(page, command("captain_reads"))
+        page.fill(".captain input", "Cleo")
+        page.get("document.querySelector('.captain .signature').scrollIntoView({block: 'center'})")
+        left, top, width, height = page.box(".captain .signature")
+        for kind, parts in (("touchStart", (0.25, 0.2)), ("touchMove", (0.5, 0.8)), ("touchMove", (0.75, 0.2))):
+            at = {"x": left + parts[0] * width, "y": top + parts[1] * height}
+            page.command("Input.dispatchTouchEvent", type=kind, touchPoints=[at])
+        page.lift()
+        self.shot("captain", page)
+        self.tap(page, command("captain"))
+        wait_until(lambda: self.sheet(identity).captain, "the box has the signature")
+        (sign,) = self.sheet(identity).captain
+        self.assertRegex(sign.drawing, r"^M100 30L200 120L300 30$")
+        page.wait(f"{TEXT}.includes('Signed by captain Cleo')", "the page shows it")
+        self.tap(page, command("captain_reads"))
 
     def publish(self, page: Page, seconds: int, shown: str) -> None:
         """Publish a result without judges as provisional, with this time for objections."""

@@ -179,7 +179,8 @@ class Entries:
             "in_time": _Entry(
                 lambda now, run, who, given: scores.in_time(now, run, given["entry"], not given["late"], who)),
             "take_back": _Entry(
-                lambda now, run, who, given: scores.take_back(now, run, given["id"], who, given["note"])),
+                lambda now, run, who, given: scores.take_back(
+                    now, run, given["id"], who, given["note"], given["ago_ms"])),
             "note": _Entry(lambda now, run, who, given: scores.note(now, run, Note(**given), who)),
             "captain": _Entry(lambda now, run, who, given: scores.captain(now, run, CaptainSign(
                 now.utc, given["name"], given["refused"], given["comment"], given["drawing"], who))),

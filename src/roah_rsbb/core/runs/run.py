@@ -451,7 +451,7 @@ class ZoneRun(abc.ABC):
         """See `ScoreSheet.say_in_time`. Raises `Refused`."""
         self._score_changed(now, self.book.say_in_time(by.who, number, in_time))
 
-    def take_back(self, now: Now, by: By, mark_id: str) -> None:
+    def take_back(self, now: Now, by: By, mark_id: str, _ago_ms: int = 0) -> None:
         """Take back a mark of the score sheet. Raises `Refused`."""
         marked = self.book.take_back(now, by, mark_id)
         if marked.text:

@@ -116,6 +116,7 @@ def run_line(record: RunRecord, why: Optional[Why]) -> RunLine:
         "" if signed is None else signed.who, "" if why is None else why.value,
         sum(not each.decided_utc for each in record.proposals), len(record.versions), can_undo(record),
         _protests_until(record), tuple(map(_objection, record.publication.objections)),
+        tuple((item.desc, item.value) for item in record.items if item.group == INCIDENTS and item.value),
     )
 
 
