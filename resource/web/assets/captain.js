@@ -35,8 +35,10 @@ function Signature({drawing, draw, label}) {
     }
   };
   const up = () => (last.current = null);
+  // Else the browser takes a quick line for a swipe, and the next touch for its end.
+  const stay = (event) => event.preventDefault();
   return html`
-    <svg class="signature" viewBox="0 0 ${WIDE} ${HIGH}" role="img" aria-label=${label}
+    <svg class="signature" viewBox="0 0 ${WIDE} ${HIGH}" role="img" aria-label=${label} onTouchStart=${stay}
         onPointerDown=${down} onPointerMove=${move} onPointerUp=${up} onPointerCancel=${up}><path d=${drawing} /></svg>`;
 }
 
