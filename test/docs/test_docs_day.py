@@ -1,4 +1,5 @@
-"""Runs every line of the table "The day is edited" of docs/organiser.md, in its order, against a box without ROS."""
+"""Runs every line of the tables "The day is edited" and "A run is wrong" of docs/organiser.md, in their order, against
+a box without ROS."""
 
 import os
 import re
@@ -55,10 +56,41 @@ def typed(tmp_path):
         box.communicate(timeout=LIMIT_S)
 
 
-def test_each_line_of_the_table_does_what_it_says(typed, tmp_path):
+def lines_of(title):
+    """What happens, and the command, of each line of the table below a title."""
     page = (ROOT / "docs" / "organiser.md").read_text(encoding="utf-8")
-    lines = LINE.findall(page[page.index("### The day is edited"):page.index("### Changes during the competition")])
-    assert len(lines) > 15
+    lines = LINE.findall(page.partition(f"### {title}\n")[2].partition("\n### ")[0])
+    assert len(lines) > 12
+    return lines
+
+
+# What is said of the run and of its event after a line, by a part of the line.
+OF_RUN = {
+    "move": "team HomeAlone, round 1, run 1: stopped, counts", "undo": "team Brass Butlers, round 1",
+    "sign-off": "signed off by Olga", "reopen": "reopened, not signed off again yet",
+    "annul": "does not count: annulled",
+}
+
+
+def test_each_line_of_the_table_puts_a_wrong_run_right(typed):
+    for command in ("open-sheet", "start", "stop", "disconnect"):
+        typed(f"rosrun roah_rsbb referee {command} Task")
+    for number, (what, line) in enumerate(lines_of("A run is wrong")):
+        if "--to" in line:
+            typed("rosrun roah_rsbb referee undo Task --run last --reason 'try the next line' --by Olga")
+        said = typed(line)
+        shown = typed("rosrun roah_rsbb referee runs Task")
+        for part, words in OF_RUN.items():
+            expected = "corrected at" if "signed off again" in what else words
+            assert f" {part} " not in line or expected in shown, f"{number}: {what}: {shown}{said}"
+    said = typed("rosrun roah_rsbb referee sheet Task --run last")
+    for words in ("Annulled: it counts nothing: the door was locked – Olga", "Objection 1 of HomeAlone", "Version 1"):
+        assert words in said, said
+    assert "→ next" in typed("rosrun roah_rsbb referee schedule Task"), "its attempt is there again"
+
+
+def test_each_line_of_the_table_does_what_it_says(typed, tmp_path):
+    lines = lines_of("The day is edited")
     schedule, before = tmp_path / "day" / "schedule.yaml", ""
     for what, line in lines:  # on days that are not over
         said = typed(line.replace("2026-", "2037-") + (" --yes" if " day " in line and " list" not in line else ""))

@@ -221,7 +221,8 @@ def _sign_off(call: Call) -> Exit:
 
 
 @COMMANDS.add("judges", "several judges and objections: list them, settle, hand back, publish, answer",
-              ["list", "settle Hall 1 3 --reason 'the video shows it' --by Hugo", "settle --help"], actions=_ACTIONS)
+              ["list", "settle Hall 1 3 --reason 'the video shows it' --by Hugo",
+           "object Hall Beta 'the cup was away' --at 2:41 --run last --by Hugo", "settle --help"], actions=_ACTIONS)
 def _judges(call: Call) -> Exit:
     return _ACTIONS[call.options.action].do(call)
 
