@@ -9,10 +9,10 @@ from roah_rsbb.model.records import ItemRecord, ScoreEntry
 from roah_rsbb.model.rules import Item, Measure, Sheet
 from roah_rsbb.model.scoring import INCIDENTS, MAX_INCIDENTS, Key, ScoreKind, ScoringItem
 from roah_rsbb.scoring.earlier import id_of
-from roah_rsbb.scoring.tree import Course, Happened, SheetMark, void_marks
+from roah_rsbb.scoring.tree import Course, Happened, SheetMark, VoidMark, void_marks
 
-NOTHING: Mapping[int, str] = {}
-MAX_ROUNDS = 5  # what does not count changes no more after two
+NOTHING: Mapping[int, VoidMark] = {}
+MAX_ROUNDS = 9  # one for each time that what does not count decides about what follows: rarely more than two
 # A course is made again after each mark, mostly of the same numbers: reading one takes longer than all else.
 _read = functools.lru_cache(maxsize=4096)(Fraction)
 
@@ -29,25 +29,27 @@ def voided(
 ) -> Tuple[Course, Dict[int, str]]:
     """Return what happened, and the entries that do not count although nobody withdrew them, by number, and why."""
     history = course_of(sheet, rows, entries)
-    void: Dict[int, str] = {}
+    void: Dict[int, VoidMark] = {}
     # What does not count decides whether a later entry takes something away, and so whether that one counts.
     for _ in range(MAX_ROUNDS if sheet.incidents or sheet.limit_s is not None else 0):
         found = {history.numbers[index]: why for index, why in void_marks(sheet, history.course).items()}
-        if found.keys() == void.keys():
+        if found == void:
             break
         void = found
         history = course_of(sheet, rows, entries, void)
-    return history.course, void
+    return history.course, {number: found.why for number, found in void.items()}
 
 
 def course_of(
-    sheet: Sheet, rows: Mapping[Key, ScoringItem], entries: Iterable[ScoreEntry], void: Mapping[int, str] = NOTHING
+    sheet: Sheet, rows: Mapping[Key, ScoringItem], entries: Iterable[ScoreEntry], void: Mapping[int, VoidMark] = NOTHING
 ) -> History:
     """Return what happened, without the results of juries. `void`: entries that do not count, if that is known."""
     marks: List[Tuple[SheetMark, int]] = []
     incidents: Dict[str, List[Happened]] = {}
     kinds = {item.id: item for item in sheet.items}
-    standing: Dict[str, Fraction] = {}
+    standing: Dict[str, Fraction] = {}  # of items, until something makes marks void
+    counting: Dict[str, List[ScoreEntry]] = {}  # entries of items that counted when they were made
+    turns = sorted({each.since for each in void.values()}, reverse=True)
     entries = tuple(entries)
     for order, (entry, at_s) in enumerate(zip(entries, _moments(sheet, entries))):
         row = rows.get((entry.group, entry.desc))
@@ -57,14 +59,21 @@ def course_of(
             name = row.id or row.desc
             _happened(incidents.setdefault(name, []), entry, Happened(name, at_s, order=order))
             continue
-        item_id = id_of(row)
-        before = standing.get(item_id, Fraction(0))
+        item_id, moment = id_of(row), (at_s or Fraction(0), order)
+        while turns and turns[-1] <= moment:
+            turns.pop()
+            standing.clear()
+        own = counting.setdefault(item_id, [])
+        before = standing[item_id] if item_id in standing else _standing(row, [
+            each for each in own if each.number not in void or void[each.number].since > moment])
         after = _number(entry, row, before)
         corrects = _takes_away(row, before, after)
         is_late = sheet.limit_s is not None and at_s is not None and at_s > sheet.limit_s and not (
             entry.in_time or corrects)
-        if entry.number not in void and not is_late:
-            standing[item_id] = max(Fraction(0), after) if row.kind is ScoreKind.UINT else after
+        standing[item_id] = before
+        if not is_late and (entry.number not in void or void[entry.number].since > moment):
+            standing[item_id] = _standing(row, [entry], before)
+            own.append(entry)
         marks += [(mark._replace(at_s=at_s, in_time=entry.in_time, corrects=corrects, order=order), entry.number)
                   for mark in _marks(kinds[item_id], entry, before, after)]
     return History(Course(
@@ -101,6 +110,14 @@ def _number(entry: ScoreEntry, row: ScoringItem, before: Fraction) -> Fraction:
     if entry.not_attempted:
         return Fraction(0)
     return _read(entry.text) if entry.text and not row.choices else _read(entry.value)
+
+
+def _standing(row: ScoringItem, entries: Iterable[ScoreEntry], number: Fraction = Fraction(0)) -> Fraction:
+    """Return the number that an item has after entries: nobody takes more than there is."""
+    for entry in entries:
+        number = _number(entry, row, number)
+        number = max(Fraction(0), number) if row.kind is ScoreKind.UINT else number
+    return number
 
 
 def _takes_away(row: ScoringItem, before: Fraction, after: Fraction) -> bool:

@@ -108,8 +108,15 @@ def is_late(why: str) -> bool:
     return isinstance(why, Reason) and why.template == LATE
 
 
-def void_marks(sheet: Sheet, course: Course) -> Mapping[int, str]:
-    """Return the marks that do not count, by their place in the course, and why."""
+class VoidMark(NamedTuple):
+    """A mark that does not count."""
+
+    why: str
+    since: Tuple[Fraction, int]  # moment of what made it void: until then, it counted; see `_moment`
+
+
+def void_marks(sheet: Sheet, course: Course) -> Mapping[int, VoidMark]:
+    """Return the marks that do not count, by their place in the course."""
     return _Run(sheet, course).go_through()[1]
 
 
@@ -138,10 +145,10 @@ class _Run:
         self._pauses = [] if course.clock_counts else self._find_pauses()
         # Facts about incidents that are on the sheet.
         self._facts: Dict[str, object] = {mark.item: mark.text or mark.number for mark in course.marks}
-        self._void: Dict[int, str] = {}
+        self._void: Dict[int, VoidMark] = {}
         self._steps: List[str] = []
 
-    def go_through(self) -> Tuple[List[str], Dict[int, str]]:
+    def go_through(self) -> Tuple[List[str], Dict[int, VoidMark]]:
         """Return what was decided, in words, and the marks that do not count."""
         self._drop_late()
         for happened in sorted([*self.course.incidents, *self.by_themselves()], key=_when):
@@ -153,7 +160,7 @@ class _Run:
                 self._decide(item)
         return self._steps, self._void
 
-    def left(self, void: Mapping[int, str]) -> List[SheetMark]:
+    def left(self, void: Mapping[int, VoidMark]) -> List[SheetMark]:
         """Return the marks that are not void, in the order in which they were made."""
         return sorted((mark for index, mark in enumerate(self._marks) if index not in void), key=_made)
 
@@ -162,13 +169,13 @@ class _Run:
         for index, mark in enumerate(self._marks):
             at_s = self._counted(mark.at_s)
             if mark.refused:
-                self._drop(index, REFUSED(item=self._name(mark), time=_at(at_s), why=mark.refused))
+                self._drop(index, REFUSED(item=self._name(mark), time=_at(at_s), why=mark.refused), mark)
             elif limit is not None and at_s is not None and at_s > limit and not (mark.in_time or mark.corrects):
-                self._drop(index, LATE(item=self._name(mark), time=_clock(at_s), limit=_clock(limit)))
+                self._drop(index, LATE(item=self._name(mark), time=_clock(at_s), limit=_clock(limit)), mark)
 
-    def _drop(self, index: int, why: str) -> None:
+    def _drop(self, index: int, why: str, by: object) -> None:
         if index not in self._void:
-            self._void[index] = why
+            self._void[index] = VoidMark(why, _moment(by))
             self._steps.append(why)
 
     def _name(self, mark: SheetMark) -> str:
@@ -271,7 +278,7 @@ class _Run:
         for index, mark in enumerate(self._marks if rule.voids is not Voids.NOTHING else ()):
             if index not in self._void and self._is_hit(rule, mark, happened, until or happened):
                 time = _at(self._counted(mark.at_s))
-                self._drop(index, VOID(item=self._name(mark), time=time, incident=rule.title))
+                self._drop(index, VOID(item=self._name(mark), time=time, incident=rule.title), happened)
         if rule.marks and not rule.scored_after:
             words = {str(fact) for fact in happened.facts.values()}
             choices = (choice.name for choice in self._items[rule.marks].choices)

@@ -120,6 +120,16 @@ def test_what_takes_something_away_corrects_a_mark_before_an_incident():
     assert [bool(entry.void) for entry in book.book.sheet.history] == [False, False, True, False, False]
 
 
+def test_what_was_corrected_then_counts_for_an_incident_that_makes_both_void():
+    """Whether it was corrected depends on what counted until then, not on what counts at last."""
+    restart = Incident("restart", below=Decimal(30), voids=Voids.EARLIER)
+    book = Book(replace(SHEET, incidents=(restart, *REMOVED.incidents))).at(1, "Finds an object", 4)
+    book.incident(2, "removed").at(3, "Finds an object", 2)
+    assert book.total() == "20"
+    assert (book.incident(4, "restart").total(), book.value("Finds an object")) == ("0", 0)
+    assert [bool(entry.void) for entry in book.book.sheet.history] == [True, False, True, False]
+
+
 def test_faces_say_at_once_that_a_mark_does_not_count():
     book = Book(REMOVED).at(1, "Finds an object", added="3").incident(2, "removed")
 
