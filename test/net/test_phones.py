@@ -216,6 +216,10 @@ def test_a_phone_that_trusts_the_certificate_opens_the_page_without_a_network(ha
     page = hall.phone(REFEREE)
     until_kept(page)
     assert page.get("document.querySelector('.missing')") is None
+    manifest = page.command("Page.getAppManifest")
+    assert (manifest["url"], manifest["errors"]) == (page.get("location.origin") + "/assets/manifest.json", [])
+    wrong = page.command("Page.getInstallabilityErrors")["installabilityErrors"]
+    assert [one["errorId"] for one in wrong] in ([], ["in-incognito"]), "only a browser that keeps nothing refuses"
     hall.box.close()
     other = tmp_path / "other"
     for name in ("config", "resource"):
