@@ -190,7 +190,7 @@ export function Objecting({run, give, texts}) {
   const [at, setAt] = useState("");
   return html`
     <${Reasoned} name="object" label=${texts.object} texts=${texts}
-      act=${(text) => give("object", texts.object, {identity: run.identity, by: by.trim(), text, second: secondsOf(at)})}
+      act=${(text) => give("object", texts, texts.object, {identity: run.identity, by: by.trim(), text, second: secondsOf(at)})}
       more=${html`<label>${texts.objection_by}<input maxlength="100" required value=${by}
           onInput=${(event) => setBy(event.target.value)} /></label>
         <label>${texts.objection_at}<input maxlength="7" inputmode="numeric" pattern="[0-9]+(:[0-9]{2})?" value=${at}
