@@ -423,7 +423,7 @@
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Shift a late zone, swap, move or add events, withdraw a team. The effect is shown before anything changes.</source>
-        <translation>Eine verspätete Zone verschieben, Termine tauschen, verlegen oder hinzufügen, ein Team abmelden. Die Wirkung wird gezeigt, bevor sich etwas ändert.</translation>
+        <translation>Eine verspätete Zone verschieben, Termine tauschen, verlegen oder hinzufügen, ein Team zurückziehen. Die Wirkung wird gezeigt, bevor sich etwas ändert.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -4174,12 +4174,12 @@
     <message>
         <location filename="../../src/roah_rsbb/box/day_edits.py"/>
         <source>{event}: {time} in zone &apos;{zone}&apos;, the team does not withdraw</source>
-        <translation>{event}: {time} in Zone &apos;{zone}&apos;, das Team tritt nicht zurück</translation>
+        <translation>{event}: {time} in Zone &apos;{zone}&apos;, das Team zieht nicht zurück</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/day_edits.py"/>
         <source>the team did not withdraw</source>
-        <translation>das Team ist nicht zurückgetreten</translation>
+        <translation>das Team hat nicht zurückgezogen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/day_edits.py"/>
@@ -4189,7 +4189,7 @@
     <message>
         <location filename="../../src/roah_rsbb/box/day_edits.py"/>
         <source>{event}: {time} in zone &apos;{zone}&apos;, the team withdraws</source>
-        <translation>{event}: {time} in Zone &apos;{zone}&apos;, das Team tritt zurück</translation>
+        <translation>{event}: {time} in Zone &apos;{zone}&apos;, das Team zieht zurück</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/day_edits.py"/>
@@ -5754,7 +5754,7 @@
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>A team withdraws</source>
-        <translation>Ein Team tritt zurück</translation>
+        <translation>Ein Team zieht zurück</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>

@@ -112,7 +112,7 @@ function Schedule({data, texts, give, session}) {
     }
   };
   return html`
-    <div class=${session.role === "organiser" ? "columns beside" : ""}>
+    <div class=${session.role === "organiser" ? "beside" : ""}>
     ${session.role === "organiser" && html`<${Pane} name=${texts.day_title}><${DayEdits} texts=${texts} revision=${events.map(({id, when, state}) => id + when + state).join()} /><//>`}
     <${Pane} name=${texts.part_schedule} more=${html`<p class="facts">${data.summary}${data.hidden > 0 && ` · ${texts.hidden.replace("{number}", () => data.hidden)}`}</p>`}>
     <div class="filters">

@@ -27,6 +27,7 @@ from roah_rsbb.model.reason import Reason, Refused, Template, checked_note, chec
 from roah_rsbb.rulebook import day, team_passwords
 from roah_rsbb.rulebook.day import Day, EventChange, PlannedSlot
 from roah_rsbb.rulebook.errors import ConfigErrors
+from roah_rsbb.wording import sheets
 from roah_rsbb.wording.texts import did_you_mean
 
 NO_EDIT = say("There is no edit '{action}'{hint}")
@@ -143,6 +144,9 @@ class DayEdits:
         found: List[WithdrawnRun] = []
         if planned.events:
             self._event(lambda now: found.extend(self._box.day.withdraw(now, planned.events, team, who, reason)))
+        for run in found if sheets.person(who) not in ("", sheets.NO_NAME) else ():
+            with contextlib.suppress(Refused):  # several judges score it
+                self._event(self._box.act, Target(run.zone, run.identity), "sign_off", who, {})
         return found
 
     def _write_passwords(self, text: str) -> None:

@@ -12,6 +12,7 @@ from roah_rsbb.box.configuration import Configuration, Reloads
 from roah_rsbb.box.day_edits import DayEdits
 from roah_rsbb.core import effects
 from roah_rsbb.ground import durable, installed
+from roah_rsbb.journal.log_dir import CONFIGURATION, kept_files
 from roah_rsbb.model.reason import Refused, RunName, decoded
 from roah_rsbb.model.records import Phase
 from roah_rsbb.rulebook.day import slots
@@ -35,9 +36,9 @@ SCHEDULE = """# Ours
 class Place:
     """The folder of a competition, and the boxes that start there."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, schedule=SCHEDULE):
         self.folder, self.schedule = folder, folder / "schedule.yaml"
-        self.schedule.write_text(SCHEDULE, "utf-8")
+        self.schedule.write_text(schedule, "utf-8")
         shutil.copy(SHIPPED / "benchmarks.yaml", folder / "benchmarks.yaml")
         (folder / "passwords.yaml").write_text("Alpha: a\nBeta: b\nGamma: c\n", "utf-8")
         self.start()
@@ -82,7 +83,8 @@ def spots(zones):
 
 
 @pytest.fixture
-def place(tmp_path):
+def place(tmp_path, monkeypatch):
+    monkeypatch.setattr(durable.os, "fsync", lambda handle: None)  # only a power cut would notice
     return Place(tmp_path)
 
 
@@ -221,6 +223,17 @@ def test_a_file_that_cannot_be_written_is_written_later(place, monkeypatch):
     assert place.start("launch 3") == [] and place.in_force == place.written == after
 
 
+def test_a_standby_that_takes_over_has_the_edits(place, tmp_path):
+    before = place.in_force
+    place.do("shift", zone="Home", time="40")
+    (tmp_path / "standby" / "log").mkdir(parents=True)
+    shutil.copy(tmp_path / "log" / CONFIGURATION, tmp_path / "standby" / "log")  # what it keeps, and begins with
+    standby = Place(tmp_path / "standby", kept_files(str(tmp_path / "log"))["schedule"])
+    assert standby.in_force == standby.shown == place.in_force
+    standby.do("undo", number=1)
+    assert standby.in_force == standby.written == before != place.written
+
+
 def test_files_of_the_package_are_never_written(place, monkeypatch):
     monkeypatch.setattr(installed, "shipped_folder", lambda: place.folder)
     done = place.do("shift", zone="Home", time="40")
@@ -254,6 +267,7 @@ def test_a_team_withdraws_from_all_that_is_to_come(place):
     assert lines(done) == ["HGTKMH of Beta: 14:30 in zone 'Home', the team withdraws",
                            "HWV of Beta: 16:00 in zone 'Arena', the team withdraws"]
     assert ends(place) == {"hb": "withdrawn", "wb": "withdrawn"}
+    assert {record.sign_off.who for record in place.driver.box.finished.records()} == {"Olga"}
     assert place.driver.box.zones["Home"].event.id == "hg"
     with pytest.raises(Refused, match="no such event to come"):
         place.look("withdraw_team", team="Beta")
