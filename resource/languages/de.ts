@@ -962,8 +962,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
-        <source>STOP ends the run. It has no robot</source>
-        <translation>STOP beendet den Lauf. Er hat keinen Roboter</translation>
+        <source>STOP ends the run. It reaches no robot</source>
+        <translation>STOP beendet den Lauf. Er erreicht keinen Roboter</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -2551,8 +2551,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/stop.py"/>
-        <source>STOP {zone}: the clock is stopped. The run has no robot</source>
-        <translation>STOPP {zone}: Die Uhr steht. Der Lauf hat keinen Roboter</translation>
+        <source>STOP {zone}: the clock is stopped. It reached no robot</source>
+        <translation>STOPP {zone}: Die Uhr steht. Er hat keinen Roboter erreicht</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/stop.py"/>
@@ -5130,6 +5130,11 @@
         <location filename="../../src/roah_rsbb/core/views/document.py"/>
         <source>Robot ready to accept connection: {robot}</source>
         <translation>Roboter bereit zum Verbinden: {robot}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/views/document.py"/>
+        <source>No robot of team {team} is heard: people start it and stop it, with the clock</source>
+        <translation>Kein Roboter von Team {team} ist zu hören: Menschen starten und stoppen ihn, mit der Uhr</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/views/document.py"/>

@@ -39,7 +39,7 @@
       sent: "STOP {zone}: sent …",
       at_box: "STOP {zone}: the box has it. Waiting for the robot …",
       stopped: "STOP {zone}: the robot has stopped",
-      no_robot: "STOP {zone}: the clock is stopped. The run has no robot",
+      no_robot: "STOP {zone}: the clock is stopped. It reached no robot",
       lost_box: "STOP {zone}: NOT DELIVERED. Stop the robot by hand. Trying again …",
       lost_robot: "STOP {zone}: NO ANSWER FROM THE ROBOT. Stop it by hand. Trying again …",
     },

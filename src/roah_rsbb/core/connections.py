@@ -127,8 +127,10 @@ class Connections:
     # -- opening and leaving ------------------------------------------------------------------------
 
     def connect(self, now: Now, zone: Zone, robots: Sequence[ActiveRobot]) -> None:
-        """Open a run with these robots in a zone whose *connect* is allowed."""
-        assert robots, "connect was checked before"
+        """Open a run with these robots in a zone whose *connect* is allowed; without robots, one that people start."""
+        if not robots:
+            self.open_sheet(now, zone)
+            return
         self._watches.release()
         self._failures_left[zone.name] = MAX_PORTS_TRIED + len(robots) - 1
         for robot in robots:
@@ -507,6 +509,8 @@ class Candidates:
             return [NO_SUCH_ROBOT(robot=cut_note(name), team=team, hint=did_you_mean(name, names))]
         if not robots:
             busy = [(r, self._zones.run_of(r.id)) for r in self._robots.of_team(now, team)]
+            if not busy and not zone.event.benchmark.profile.beacon:
+                return []  # the run has no robot that the box hears
             if not busy:
                 return [NO_ROBOT(team=team, port=self._settings.rsbb_port)]
             return [IN_A_RUN(robot=str(r.id), zone=run.zone) for r, run in busy if run is not None]

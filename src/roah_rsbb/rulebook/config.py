@@ -89,6 +89,7 @@ _BENCHMARK = {
 }
 _BENCHMARK_OPTIONAL = {
     "total_timeout": "600", "scoring": "[...]", "kind": "task", "uses": "[notifications]", "offline_data": "optional",
+    "beacon": "optional",
     "setup_time": "120", "attempts": "2", "attempt_counts": "best", "restarts": "clock runs", "pause": "allowed",
     "phases": "[...]", "no_show": "zero",
     "timed_out_goal": "completed", "about": "The robot explores the home.",
@@ -107,7 +108,10 @@ MIN_JUDGES = 2
 _PHASE, _PHASE_OPTIONAL = {"name": "Serve the drinks"}, {"limit": "120"}
 _KINDS = {kind.value: kind for kind in BenchmarkKind}
 _TIMED_OUT_GOAL = {"completed": True, "failed": False}
-_OFFLINE_DATA = {"required": True, "optional": False}
+_REQUIRED = {"required": True, "optional": False}
+# What robots must do, or need not.
+_DEMANDS = {"offline_data": "whether robots must save offline data",
+            "beacon": "whether a run needs a robot that is heard"}
 _RULES = {
     "attempt_counts": "which of several attempts at an event counts",
     "restarts": "whether a stopped run may be started again",
@@ -320,14 +324,14 @@ class BenchmarksFile:
         if code is not None:
             self.kinds[code] = kind
         uses = self._uses(got["uses"]) if "uses" in got else frozenset() if known is None else known.uses
-        word: Optional[str] = "required"
-        if "offline_data" in got:
-            expected = "whether robots must save offline data"
-            word = choice(report, got["offline_data"], "offline_data", tuple(_OFFLINE_DATA), expected)
+        demands = {name: choice(report, got[name], name, tuple(_REQUIRED), expected)
+                   for name, expected in _DEMANDS.items() if name in got}
         goal = self._timed_out_goal(got.get("timed_out_goal"), kind)
-        if kind is None or uses is None or word is None or goal == "":
+        if kind is None or uses is None or None in demands.values() or goal == "":
             return None
-        profile = replace(known or new_profile(kind), kind=kind, uses=uses, offline_data=_OFFLINE_DATA[word])
+        must = {name: _REQUIRED[demands.get(name) or "required"] for name in _DEMANDS}
+        profile = replace(known or new_profile(kind), kind=kind, uses=uses, offline_data=must["offline_data"],
+                          beacon=must["beacon"])
         return profile if goal is None else replace(profile, runs_until_timeout=_TIMED_OUT_GOAL[goal])
 
     def _timed_out_goal(self, node: Optional[Node], kind: Optional[BenchmarkKind]) -> Optional[str]:

@@ -144,6 +144,7 @@ def _benchmark(sheet: LeagueSheet, answers: Answers) -> Iterator[str]:
     yield "  kind: task"
     yield f"  timeout: {sheet.timeout_s or 300}"
     yield "  offline_data: optional"
+    yield "  beacon: optional"
     yield "  sheet:"
     own, special = ([row for row in sheet.rows if bool(row.line) == is_own] for is_own in (True, False))
     yield "    - section: Test"

@@ -63,6 +63,7 @@ class Profile:
     # PREPARE during execution means that the goal timed out.
     prepare_ends_goal: bool = False
     offline_data: bool = True  # the robot must record offline data
+    beacon: bool = True  # a run needs a robot that the box hears; without it, the referee starts the robot
 
 
 def _task(number: int, uses: Iterable[str] = ()) -> Profile:

@@ -162,7 +162,7 @@ def page_words() -> Dict[str, Any]:
             nothing_to_read="Runs that are over are listed here, for the captain to read and sign.",
             proposals="Made before the sign-off, arrived after it. Who accepts one signs the new sheet",
             accept="Accept", drop="Drop", earlier="Earlier today",
-            stop_ends="STOP ends the run. It has no robot", stop_reaches="STOP goes to {robot}",
+            stop_ends="STOP ends the run. It reaches no robot", stop_reaches="STOP goes to {robot}",
             sheet="Score sheet", time="Time", connect_robot="Connect {robot}",
             # STOP
             stop="■ STOP", stop_all="■ STOP ALL", hold="hold",

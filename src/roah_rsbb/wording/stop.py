@@ -25,7 +25,7 @@ TEXTS = {
     Way.SENT: tr_later("STOP {zone}: sent …"),
     Way.AT_BOX: tr_later("STOP {zone}: the box has it. Waiting for the robot …"),
     Way.STOPPED: tr_later("STOP {zone}: the robot has stopped"),
-    Way.NO_ROBOT: tr_later("STOP {zone}: the clock is stopped. The run has no robot"),
+    Way.NO_ROBOT: tr_later("STOP {zone}: the clock is stopped. It reached no robot"),
     Way.LOST_BOX: tr_later("STOP {zone}: NOT DELIVERED. Stop the robot by hand. Trying again …"),
     Way.LOST_ROBOT: tr_later("STOP {zone}: NO ANSWER FROM THE ROBOT. Stop it by hand. Trying again …"),
 }

@@ -1,6 +1,7 @@
 """Private ports, channels that cannot be opened, and the size of the beacon; ports after a restart."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -16,6 +17,7 @@ from roah_rsbb.core.zones import ZoneState
 from roah_rsbb.model.as_json import from_json, to_json
 from roah_rsbb.model.messages import DevicesState, TabletState
 from roah_rsbb.model.reason import Refused
+from roah_rsbb.rulebook.registry import PROFILES
 
 
 def _connect(driver, zone="tbm"):
@@ -23,6 +25,20 @@ def _connect(driver, zone="tbm"):
     driver.taken()
     driver.command("connect", zone)
     return driver.taken()
+
+
+def test_without_a_beacon_connect_opens_a_run_that_people_start_where_none_is_needed():
+    own = replace(PROFILES["HGTKMH"], beacon=False)
+    driver = BoxDriver(competition(tbm=[event(own=own)]))
+    assert driver.off("connect") == []
+    assert "No robot of team Alpha is heard: people start it" in driver.view().state
+    driver.command("connect")
+    assert driver.view().by_hand and driver.channels == {}
+    driver.command("start")
+    assert driver.view().phase == "running" and driver.notices(Level.WARNING, Level.ERROR) == []
+    driver.command("stop")
+    driver.command("disconnect")
+    assert driver.connected().port in driver.channels  # one that is heard is connected
 
 
 def _ports(taken):

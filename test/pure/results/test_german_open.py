@@ -96,7 +96,7 @@ class Referee:
 
     def _run(self, event, points, attempt):
         box = self.box
-        box.command("open_sheet", "Arena")
+        box.command("connect", "Arena")
         box.command("start", "Arena")
         self.names[attempt] = box.run_in("Arena").identity
         name = RunName("Arena", self.names[attempt])

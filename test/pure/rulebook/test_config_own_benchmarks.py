@@ -13,6 +13,7 @@ TASK = """
   timeout: 420
   uses: [notifications, tablet]
   offline_data: optional
+  beacon: optional
   scoring:
     - Achievements:
         - { type: uint, desc: Puts an object at its place }
@@ -42,15 +43,17 @@ def test_a_new_task(files):
     profile = benchmark.profile
     assert benchmark.kind is profile.kind is BenchmarkKind.TASK
     assert profile.uses == {"notifications", "tablet"}
-    assert not profile.offline_data
+    assert not profile.offline_data and not profile.beacon
     assert (profile.number, profile.goal, profile.result) == (OTHER_NUMBER, GoalForm.TEXT, ResultForm.TEXT)
     assert warnings == []
 
 
 def test_what_a_new_benchmark_leaves_out(files):
-    loaded, _ = files.load(benchmarks=own(uses=None, offline_data=None, kind="functionality"), schedule=schedule())
+    benchmarks = own(uses=None, offline_data=None, beacon=None, kind="functionality")
+    loaded, _ = files.load(benchmarks=benchmarks, schedule=schedule())
     profile = loaded.benchmarks["SetTable"].profile
-    assert (profile.kind, profile.uses, profile.offline_data) == (BenchmarkKind.FUNCTIONALITY, frozenset(), True)
+    assert (profile.kind, profile.uses, profile.offline_data, profile.beacon) == (
+        BenchmarkKind.FUNCTIONALITY, frozenset(), True, True)
 
 
 def test_all_robots_take_part_in_a_new_benchmark(files):
@@ -108,6 +111,7 @@ MISTAKES = [
     ("uses", "{tablet: true}", ["a map", "as uses"]),
     ("uses", "yes", ["'yes' (to YAML, a yes-or-no value) as uses"]),
     ("offline_data", "no", ["'no' (to YAML, a yes-or-no value) as offline_data", "there is 'required', 'optional'"]),
+    ("beacon", "required, optional", ["as beacon", "whether a run needs a robot that is heard"]),
     ("offline_data", "require", ["did you mean 'required'?"]),
 ]
 

@@ -29,7 +29,7 @@ def test_benchmarks():
     before = competition(a=[event("HNF", timeout=120.0), event("HWV", run=2)])
     after = competition(a=[event("HNF", timeout=120.5, total_timeout=NO_LIMIT), event("HWV", run=2)])
     hwv = after.benchmarks["HWV"]
-    profile = dataclasses.replace(PROFILES["HWV"], offline_data=False, uses=frozenset())
+    profile = dataclasses.replace(PROFILES["HWV"], offline_data=False, beacon=False, uses=frozenset())
     after.benchmarks["HWV"] = dataclasses.replace(
         hwv, desc="Visitors", own=profile, rules=EventRules(attempts=3),
         scoring=(DOOR, dataclasses.replace(BUMPS, desc="falls"), dataclasses.replace(hwv.scoring[1], kind=DOOR.kind)),
@@ -44,6 +44,7 @@ def test_benchmarks():
         "benchmark HWV: scoring: 'Penalized: falls' added",
         "benchmark HWV: uses activation_event, bell, notifications, visitor, now nothing",
         "benchmark HWV: offline data yes, now no",
+        "benchmark HWV: beacon yes, now no",
         "benchmark HWV: attempts any number, now 3",
         "benchmark STB: added",
     ]

@@ -37,6 +37,7 @@ NEXT_END = say("START would continue the run: its next end would count instead o
 PAUSED = say("Clock paused by the referee")
 ATTEMPT = say("Attempt {number} of {all}")
 ONE_READY = say("Robot ready to accept connection: {robot}")
+BY_HAND = say("No robot of team {team} is heard: people start it and stop it, with the clock")
 READY = say("{number} robots ready to accept connection: {robots}")
 
 # A skew is shown in steps of this many seconds: it changes with each message, and nobody reads more.
@@ -295,7 +296,7 @@ def _idle_lines(box: Box, zone: Zone, view: ZoneSeen, now: Now) -> List[str]:
     """Return the lines for the referee of a zone without a run, without warnings."""
     asked = view.action("connect").question
     lines: List[str] = [asked] if asked else []
-    lines += view.off("connect") or [_ready(box.candidates.to_connect(now, zone))]
+    lines += view.off("connect") or [_ready(zone, box.candidates.to_connect(now, zone))]
     if view.robots_to_choose:
         lines.append(SEVERAL(team=zone.event.team, robots=", ".join(view.robots_to_choose)))
     return lines + _attempt_lines(view)
@@ -324,7 +325,9 @@ def _attempt_lines(view: ZoneSeen) -> List[str]:
     return [ATTEMPT(number=view.attempt, all=view.attempts)] if 0 < view.attempt <= view.attempts else []
 
 
-def _ready(robots: Sequence[ActiveRobot]) -> str:
+def _ready(zone: Zone, robots: Sequence[ActiveRobot]) -> str:
+    if not robots:
+        return BY_HAND(team=zone.event.team)
     if len(robots) == 1:
         return ONE_READY(robot=str(robots[0].id))
     return READY(number=len(robots), robots=joined([str(robot.id) for robot in robots], ", "))
