@@ -1367,6 +1367,21 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Arenas, where the rulebook asks</source>
+        <translation>Arenen, wo das Regelwerk danach fragt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>How often each team does each benchmark</source>
+        <translation>Wie oft jedes Team jeden Benchmark macht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Choices that the rules leave to people, separated by &apos;;&apos;</source>
+        <translation>Was die Regeln Menschen überlassen, durch &apos;;&apos; getrennt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Team, as the robot sends it</source>
         <translation>Team, wie der Roboter es sendet</translation>
     </message>

@@ -241,6 +241,8 @@ class StartWords:
     DEVICES = tr_later("Address of the home devices' controller (empty: they are off)")
     COMPETITION, NAME, RULEBOOK = tr_later("Competition"), tr_later("Name of the competition"), tr_later("Rulebook")
     TEAMS, DAYS = tr_later("Teams, separated by commas"), tr_later("Days")
+    ARENAS, ROUNDS = tr_later("Arenas, where the rulebook asks"), tr_later("How often each team does each benchmark")
+    DECISIONS = tr_later("Choices that the rules leave to people, separated by ';'")
     TEAM, PASSWORD = tr_later("Team, as the robot sends it"), tr_later("Password of the team")
     IN_PROGRESS, DONE, FAILED = tr_later("in progress"), tr_later("done"), tr_later("ended with status {status}")
     END, OPTIONAL = tr_later("End it"), tr_later("optional")

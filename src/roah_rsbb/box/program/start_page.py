@@ -70,9 +70,12 @@ def _folder(name: str) -> str:
     return str(COMPETITIONS.expanduser() / pathlib.PurePath(name).name)
 
 
+# Of the form of a new competition: options of the program.
+_GIVEN = ("rulebook", "teams", "days", "arenas", "rounds", "decisions", "rsbb-host", "smartif-host")
+
+
 def _new(typed: Dict[str, str]) -> Tuple[List[str], Dict[str, str]]:
-    given = [f"--{name}={typed[name]}" for name in ("rulebook", "teams", "days", "rsbb-host", "smartif-host")
-             if typed.get(name)]
+    given = [f"--{name}={text}" for name, text in typed.items() if name in _GIVEN and text]
     return ["new", _folder(typed["name"]), *given], {}
 
 
@@ -93,6 +96,9 @@ TASKS = (
     Task(words.NEW, (Input("name", words.NAME, "erl2026"), Input("rulebook", words.RULEBOOK, choices=_rulebooks),
                      Input("teams", words.TEAMS, "BrassButlers, CopperKettle"),
                      Input("days", words.DAYS, "2026-11-28, 2026-11-29"),
+                     Input("arenas", words.ARENAS, "2", is_required=False),
+                     Input("rounds", words.ROUNDS, "2", is_required=False),
+                     Input("decisions", words.DECISIONS, is_required=False),
                      Input("rsbb-host", words.HOST, "192.168.1.255", is_required=False),
                      Input("smartif-host", words.DEVICES, "192.168.1.56", is_required=False)), _new),
     Task(words.CHECK, (Input("team", words.TEAM, "BrassButlers"),

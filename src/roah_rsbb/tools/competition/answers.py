@@ -7,6 +7,7 @@ import functools
 import ipaddress
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb.model.rules import Decision
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.config import MAX_ROUND, MAX_TEAM_BYTES
 from roah_rsbb.rulebook.errors import Place, Report, listing, quote
@@ -19,6 +20,7 @@ from roah_rsbb.tools.competition.rulebooks import Benchmarks, RulebookAnswer
 # A competition usually has two zones (docs/organiser.md, "A first competition").
 _TASKS, _OTHERS = "Task Benchmarks", "Functionality Benchmarks"
 _MAX_MINUTES = 24 * 60
+_MAX_ARENAS = 20
 
 ZoneWish = Tuple[str, Tuple[str, ...]]  # a zone's name, and its benchmarks if given
 
@@ -114,9 +116,36 @@ def read_breaks(report: Report, place: Place, given: str) -> Tuple[Break, ...]:
     return tuple(sorted(found))
 
 
-def read_rounds(report: Report, place: Place, given: str) -> Optional[int]:
-    """Read how often each team does each benchmark."""
-    return integer(report, Scalar(place, given, False, False), "rounds", 1, MAX_ROUND)
+def read_rounds(benchmarks: Benchmarks, report: Report, place: Place, given: str) -> Optional[Dict[str, int]]:
+    """Read how often each team does each benchmark, such as ``2, Restaurant: 1``; by code, "" for all others."""
+    found: Dict[str, int] = {}
+    for part in split(given):
+        name, _, number = part.rpartition(":")
+        code = benchmark_code(report, place, name.strip(), tuple(benchmarks)) if name else ""
+        count = integer(report, Scalar(place, number.strip(), False, False), "rounds", 1, MAX_ROUND)
+        if code is None or count is None:
+            return None
+        found[code] = count
+    return found
+
+
+def read_arenas(report: Report, place: Place, given: str) -> Optional[int]:
+    """Read the number of arenas."""
+    return integer(report, Scalar(place, given, False, False), "arenas", 1, _MAX_ARENAS)
+
+
+def read_decisions(decisions: Sequence[Decision], report: Report, place: Place, given: str) -> Dict[str, str]:
+    """Read choices of the rules, such as ``Posters: count; Restarts: two``. One without a reading stays as it is."""
+    known = {decision.name: decision.readings for decision in decisions}
+    found: Dict[str, str] = {}
+    for part in filter(None, (part.strip() for part in given.split(";"))):
+        name, _, reading = (word.strip() for word in part.partition(":"))
+        own = choice(report, Scalar(place, name, False, False), "choice", tuple(known), "a choice of the rules")
+        if own is not None and reading:
+            word = choice(report, Scalar(place, reading, True, False), f"reading of {quote(own)}", known[own],
+                          "one of its readings")
+            found[own] = word or ""
+    return found
 
 
 def are_of(kind: BenchmarkKind, benchmarks: Benchmarks) -> Callable[[str], bool]:
@@ -178,7 +207,8 @@ Reader = Callable[[Report, Place, str], object]
 # -- questions --------------------------------------------------------------------------------------
 
 class Question(NamedTuple):
-    """A decision of the organiser. `default` None: required; "": optional."""
+    """A decision of the organiser. `default` None: required; "": optional. `suggested`: asked only where the rulebook
+    has an answer, which is taken where nothing is typed."""
 
     option: str
     reader: Reader
@@ -187,14 +217,15 @@ class Question(NamedTuple):
     asks: str  # the question at a terminal; empty: not asked
     default: Optional[str] = None
     of_sheet: bool = False  # a sheet contains it
+    suggested: bool = False
 
 
 def _time(report: Report, place: Place, given: str) -> Optional[datetime.time]:
     return read_time(report, place, given, "time")
 
 
-def questions(benchmarks: Benchmarks) -> Tuple[Question, ...]:
-    """All questions; codes in the answers are those of `benchmarks`."""
+def questions(benchmarks: Benchmarks, decisions: Sequence[Decision] = ()) -> Tuple[Question, ...]:
+    """All questions; codes in the answers are those of `benchmarks`, choices those of `decisions`."""
     of_codes = functools.partial
     return (
         Question("teams", read_teams, "'BrassButlers, CopperKettle'",
@@ -214,9 +245,16 @@ def questions(benchmarks: Benchmarks) -> Tuple[Question, ...]:
         Question("daily", of_codes(read_daily, benchmarks), "'HGTKMH HWV, HWV HNF'",
                  "benchmarks of each day: days separated by commas, codes by spaces (default: all of them every day)",
                  "", "", True),
-        Question("rounds", read_rounds, "1",
-                 "how often each team does each benchmark, spread over the benchmark's days (default: once a day)",
-                 "", "", True),
+        Question("arenas", read_arenas, "2", "number of arenas: how often there is the zone of the rulebook whose name "
+                 "has a '*'", "Number of arenas", "", True, True),
+        Question("rounds", of_codes(read_rounds, benchmarks), "'2, HNF: 1'",
+                 "how often each team does each benchmark, spread over the benchmark's days, and how often those that "
+                 "differ (default: once a day)", "How often each team does each benchmark, and which ones differ",
+                 "", True, True),
+        Question("decisions", of_codes(read_decisions, decisions), "'Posters: count'",
+                 "choices that the rules leave to people, with their readings, separated by ';'",
+                 "Which of these are not to have the first reading, such as 'Posters: count', separated by ';' (press "
+                 "Enter for none)", "", False, True),
         Question("begin", _time, "09:00", "start of the first run of a day (default: 09:00)",
                  "Start of the first run of a day (press Enter for 09:00)", "09:00", True),
         Question("end", _time, "18:00", "latest end of the last run of a day (default: 18:00)", "", "18:00", True),
@@ -251,6 +289,7 @@ class Missing(Exception):
 def known_answers(
     given: argparse.Namespace, report: Report, ask: Optional[Callable[[str], str]], say: Callable[[str], None],
     hints: Dict[str, str], benchmarks: Benchmarks, usual: Dict[str, RulebookAnswer],
+    decisions: Sequence[Decision] = (),
 ) -> Dict[str, object]:
     """Return the answer to each question by option (None: open), from options, the terminal (`ask`), or defaults.
 
@@ -260,7 +299,7 @@ def known_answers(
     """
     found: Dict[str, object] = {}
     missing: List[Question] = []
-    for question in questions(benchmarks):
+    for question in questions(benchmarks, decisions):
         option = question.option
         text = getattr(given, option.replace("-", "_"))
         place = Place("--" + option, 0, 0)
@@ -268,13 +307,15 @@ def known_answers(
             if text is not None:
                 report.error(place, "this option together with --sheet", "only one of them: the sheet contains it")
             continue
+        is_asked = ask is not None and question.asks and not given.sheet and text is None and (
+            question.suggested == (option in usual))
         if text is None and option in usual:
             place, text = usual[option]
         optional = question.default is not None or (given.sheet and option == "teams")
-        if text is None and ask is not None and question.asks and not given.sheet:
-            if option in hints:
+        if is_asked and ask is not None:
+            if hints.get(option):
                 say(hints[option])
-            found[option] = _asked(question, place, ask, say)
+            found[option] = _asked(question, place, ask, say, text or "", not hints.get(option))
         elif text is None and not optional:
             missing.append(question)
         elif text is None and question.default is None:
@@ -300,11 +341,15 @@ def _read(question: Question, report: Report, place: Place, given: str) -> objec
     return question.reader(report, place, text)
 
 
-def _asked(question: Question, place: Place, ask: Callable[[str], str], say: Callable[[str], None]) -> object:
-    """Ask until the answer is valid."""
+def _asked(
+    question: Question, place: Place, ask: Callable[[str], str], say: Callable[[str], None], suggested: str,
+    shown: bool,
+) -> object:
+    """Ask until the answer is valid. `suggested`: the answer if nothing is typed; `shown`: the question names it."""
+    asks = f"{question.asks} (press Enter for {suggested})" if suggested and shown else question.asks
     while True:
         report = Report()
-        answer = _read(question, report, place, ask(f"{question.asks}: ").strip())
+        answer = _read(question, report, place, ask(f"{asks}: ").strip() or suggested)
         if not report.errors:
             return answer
         for error in report.errors:

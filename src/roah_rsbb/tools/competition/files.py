@@ -2,7 +2,7 @@
 
 import contextlib
 import os
-from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set
+from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set
 from xml.sax.saxutils import quoteattr
 
 from roah_rsbb.bmbox.framework.rule_files import own_file
@@ -147,8 +147,10 @@ class Hosts(NamedTuple):
     interface: Optional[str] = None  # of this computer, to the robots
 
 
-def new_files(book: Rulebook, plan: Plan, clock: VenueClock, hosts: Hosts) -> Dict[str, str]:
-    """Return name and text of each file of a new competition."""
+def new_files(
+    book: Rulebook, plan: Plan, clock: VenueClock, hosts: Hosts, chosen: Mapping[str, str]
+) -> Dict[str, str]:
+    """Return name and text of each file of a new competition. `chosen`: readings of the organiser, by decisions."""
     codes = [code for code in book.benchmarks if code in plan.codes]
     benchmarks = [book.benchmarks[code] for code in codes]
     passwords = {team: new_password() for team in plan.teams}
@@ -160,21 +162,21 @@ def new_files(book: Rulebook, plan: Plan, clock: VenueClock, hosts: Hosts) -> Di
         PASSWORDS: passwords_text(passwords),
         SCHEDULE: schedule_text(_text(book, SCHEDULE), plan.zones, clock),
         **rules,
-        **_decisions(book, {BENCHMARKS: text, **rules}),
+        **_decisions(book, {BENCHMARKS: text, **rules}, chosen),
         LAUNCH: launch_text(benchmarks, hosts.rsbb, hosts.smartif, bool(standings)),
         FIREWALL: firewall_text(FIREWALL, hosts.interface, RSBB_PORT, needs_tablet(benchmarks)),
     }
     return {**files, **{name: _text(book, name) for name in _module_files(book, plan, benchmarks)}}
 
 
-def _decisions(book: Rulebook, rules: Dict[str, str]) -> Dict[str, str]:
-    """The decisions of a rulebook that has some, reduced to those in these files."""
+def _decisions(book: Rulebook, rules: Dict[str, str], chosen: Mapping[str, str]) -> Dict[str, str]:
+    """The decisions of the organiser and of a rulebook that has some, reduced to those in these files."""
     path = book.path(DECISIONS)
-    if not os.path.lexists(path):
-        return {}
     with known(rules):
         names = {each.decision.name for name in rules for each in decided_in(Report(), name)}
-    text = standings_text(path, _text(book, DECISIONS), sorted(names))
+    others = sorted(names.difference(chosen))
+    text = standings_text(path, _text(book, DECISIONS), others) if os.path.lexists(path) else ""
+    text += "".join(f"{yaml_text(name)}: {yaml_text(reading)}\n" for name, reading in chosen.items() if name in names)
     return {DECISIONS: text} if text else {}
 
 

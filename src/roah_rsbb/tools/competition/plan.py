@@ -306,9 +306,10 @@ _Turn = Tuple[str, int]
 
 def timetable(
     report: Report, teams: Sequence[str], zones: Dict[str, Sequence[str]], days: Sequence[PlannedDay],
-    clock: VenueClock, rounds: Optional[int] = None, for_all: Callable[[str], bool] = for_all,
+    clock: VenueClock, rounds: Optional[Mapping[str, int]] = None, for_all: Callable[[str], bool] = for_all,
 ) -> Plan:
-    """Plan every benchmark `rounds` times for every team, spread evenly over its days (None: once a day).
+    """Plan every benchmark `rounds` times for every team, spread evenly over its days: by code, "" for all others
+    (None: once a day).
 
     `zones` has the benchmarks of each zone. A zone finishes one benchmark before it begins the next, because each needs
     its own set-up. Zones with the same benchmark share its teams. No team is in two zones at once. The order of teams
@@ -338,7 +339,7 @@ def timetable(
 
 
 def _turns(
-    teams: Sequence[str], zones: Dict[str, List[str]], days: Sequence[PlannedDay], rounds: Optional[int],
+    teams: Sequence[str], zones: Dict[str, List[str]], days: Sequence[PlannedDay], rounds: Optional[Mapping[str, int]],
     for_all: Callable[[str], bool],
 ) -> List[Dict[str, List[_Turn]]]:
     """The turns of each day by benchmark. Each benchmark's turns are spread evenly over its days."""
@@ -346,7 +347,8 @@ def _turns(
     numbers = {code: number for codes in reversed(list(zones.values())) for number, code in enumerate(codes)}
     for code, number in numbers.items():
         of_code = [i for i, day in enumerate(days) if day.codes is None or code in day.codes]
-        count = rounds or len(of_code)
+        every = {"": len(of_code), **(rounds or {})}
+        count = every.get(code, every[""])
         turns: List[_Turn] = []
         for round_ in range(1, count + 1):
             first = (number + round_ - 1) % len(teams)

@@ -128,8 +128,8 @@ def _run(options: argparse.Namespace, config_dir: str, ask: Optional[Callable[[s
             return _schedule_only(report, options, book, ask)
         if options.add_team is not None:
             return _add_team(report, options)
-        found = known_answers(options, report, ask, print, {"benchmarks": _described(book)}, book.benchmarks,
-                              book.answers)
+        hints = {"benchmarks": _described(book), "decisions": _left_to_people(book)}
+        found = known_answers(options, report, ask, print, hints, book.benchmarks, book.answers, book.decisions())
         report.raise_errors()
         plan = _plan(report, options, book, found)
         report.raise_errors()
@@ -149,6 +149,13 @@ def _described(book: Rulebook) -> str:
     return "\n".join(f"  {code:7} {benchmark.desc}" for code, benchmark in book.benchmarks.items())
 
 
+def _left_to_people(book: Rulebook) -> str:
+    """Describe the choices that the rulebook names, with their readings."""
+    names = [part.strip() for part in book.answers["decisions"].text.split(";")] if "decisions" in book.answers else []
+    return "\n".join(f"  {decision.name}: {', or '.join(decision.readings)}" for decision in book.decisions()
+                     if decision.name in names)
+
+
 def _plan(
     report: Report, options: argparse.Namespace, book: Rulebook, found: Dict[str, object]
 ) -> Optional[Plan]:
@@ -162,7 +169,15 @@ def _plan(
     zones = _zones(report, options, book, found)
     days = _days(report, options, book, found)
     report.raise_errors()
-    return timetable(report, found["teams"], zones, days, found["time-zone"], found["rounds"], book.for_all)
+    rounds = _rounds(report, book, found)
+    return timetable(report, found["teams"], zones, days, found["time-zone"], rounds, book.for_all)
+
+
+def _rounds(report: Report, book: Rulebook, found: Dict[str, object]) -> Dict[str, int]:
+    """How often each benchmark is done. Those that the rulebook names stay, unless they are named."""
+    usual = book.answers.get("rounds")
+    own = {} if usual is None else answers.read_rounds(book.benchmarks, report, *usual) or {}
+    return {**{code: count for code, count in own.items() if code}, **(found["rounds"] or {})}
 
 
 def _zones(
@@ -170,9 +185,14 @@ def _zones(
 ) -> Dict[str, Sequence[str]]:
     """The benchmarks of each zone."""
     codes, wishes = found["benchmarks"], found["zones"]
+    if options.arenas is not None and not any("*" in name for name, _ in wishes or ()):
+        report.error(Place("--arenas", 0, 0), "no zone with '*' in its name", "such a zone, which there is so often")
     if wishes is None:
         return answers.usual_zones(book.benchmarks, codes)
     place, of_rulebook = _place(options, book, "zones")
+    if found["arenas"] is not None:
+        wishes = [(name.replace("*", "" if found["arenas"] == 1 else str(number)).strip(), own) for name, own in wishes
+                  for number in range(1, 1 + (found["arenas"] if "*" in name else 1))]
     chosen = [(name, _chosen(own, codes, book, of_rulebook)) for name, own in wishes]
     wishes = [(name, new) for (name, new), (_, own) in zip(chosen, wishes) if new or not own]
     return answers.share(report, place, wishes, codes)
@@ -199,11 +219,23 @@ def _days(
     if daily is not None:
         place, of_rulebook = _place(options, book, "daily")
         daily = [_chosen(day, codes, book, of_rulebook) for day in daily]
+        if of_rulebook:
+            daily = _stretched(daily, len(found["days"]))
         _check_daily(report, place, daily, codes, len(found["days"]))
     every = found["every"] or _every([planned_s(book.benchmarks[code]) for code in codes])
     return [PlannedDay(day, found["begin"], found["end"], every, found["breaks"] or (),
                        None if daily is None else daily[min(number, len(daily) - 1)])
             for number, day in enumerate(found["days"])]
+
+
+def _stretched(daily: List[Tuple[str, ...]], days: int) -> List[Tuple[str, ...]]:
+    """The plan of a rulebook for another number of days: the day before the last one is repeated, or the last days are
+    one."""
+    if len(daily) == 1:
+        return daily
+    if days >= len(daily):
+        return [*daily[:-2], *[daily[-2]] * (days - len(daily) + 1), daily[-1]]
+    return [*daily[:days - 1], tuple(dict.fromkeys(code for day in daily[days - 1:] for code in day))]
 
 
 def _check_daily(
@@ -229,7 +261,7 @@ def _every(seconds: Sequence[float]) -> datetime.timedelta:
 def _new(options: argparse.Namespace, book: Rulebook, plan: Plan, found: Dict[str, object]) -> None:
     interface = next((i.name for i in interfaces() if i.broadcast == found["rsbb-host"]), None)
     hosts = Hosts(found["rsbb-host"], found["smartif-host"], interface)
-    written = files.new_files(book, plan, found["time-zone"], hosts)
+    written = files.new_files(book, plan, found["time-zone"], hosts, found["decisions"] or {})
     files.write_new(options.directory, written)
     print(f"Written to {options.directory}: {', '.join(written)}")
     if options.time_zone is None:

@@ -9,8 +9,10 @@ import os
 import re
 from typing import Collection, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb.model.rules import Decision
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.rulebook.config import BenchmarksFile
+from roah_rsbb.rulebook.decisions import decided_in, decisions_in
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, known, listing, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.rulebook.standing_rules import OVERALL, STAGES, read_rules
@@ -24,7 +26,8 @@ BENCHMARKS, STANDINGS, RULEBOOK = "benchmarks.yaml", "standings.yaml", "rulebook
 FOLDER = "rulebooks"
 # The options of `new_competition` that a rulebook can answer, with examples.
 ANSWERS = {
-    "benchmarks": "all", "zones": "'Home, Arena'", "daily": "all", "rounds": "1", "begin": '"09:00"', "end": '"18:00"',
+    "benchmarks": "all", "zones": "'Home, Arena'", "daily": "all", "arenas": "2", "rounds": "1",
+    "decisions": "Posters", "begin": '"09:00"', "end": '"18:00"',
     "every": "15", "breaks": "12:30-13:30",
 }
 _SHAPE = "a map 'title: ...' and the defaults of options, such as 'benchmarks: all'"
@@ -51,6 +54,10 @@ class Rulebook(NamedTuple):
         """The path of a file: the rulebook's own, or the included one."""
         own = os.path.join(self.folder, name)
         return own if os.path.lexists(own) else os.path.join(self.config_dir, name)
+
+    def decisions(self) -> Tuple[Decision, ...]:
+        """What its rules leave to people."""
+        return decisions_in(*(decided_in(Report(), self.path(name)) for name in (BENCHMARKS, STANDINGS)))
 
     def for_all(self, code: str) -> bool:
         """Whether all robots do this benchmark at once."""

@@ -126,7 +126,7 @@ def test_the_form_of_a_new_competition_asks_what_the_wizard_in_the_terminal_asks
     """Each field is a question of the wizard with its example, and what must be answered is on the page or in the
     rulebook: the page cannot ask back."""
     book = read_rulebook(Report(), str(shipped_folder()), rulebook)
-    asked = {question.option: question for question in questions(book.benchmarks)}
+    asked = {question.option: question for question in questions(book.benchmarks, book.decisions())}
     new, = (task for task in start_page.TASKS if task.name == words.NEW)
     given = {field.name: field for field in new.inputs if field.name not in ("name", "rulebook")}
     for name, field in given.items():

@@ -7,6 +7,7 @@ import pytest
 
 from helpers.config_files import SHIPPED
 from helpers.time_zones import local_time
+from roah_rsbb.model.rules import Decision
 from roah_rsbb.rulebook.errors import Place, Report
 from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.tools.competition import answers, plan
@@ -100,9 +101,21 @@ def test_breaks():
 
 
 def test_rounds():
-    assert read(answers.read_rounds, "3") == 3
-    for text in ("0", "256", "x"):
-        assert refused(answers.read_rounds, text)[0].endswith("expected a whole number from 1 to 255")
+    rounds = functools.partial(answers.read_rounds, BENCHMARKS)
+    assert read(rounds, "3") == {"": 3}
+    assert read(rounds, "HNF: 1, 3") == {"HNF": 1, "": 3}
+    for text in ("0", "256", "x", "HNF: 0"):
+        assert refused(rounds, text)[0].endswith("expected a whole number from 1 to 255")
+    assert "did you mean 'HNF'?" in refused(rounds, "HNE: 1")[0]
+
+
+def test_decisions():
+    decisions = functools.partial(answers.read_decisions, [Decision("Posters", ("award only", "count"), "award only")])
+    assert read(decisions, "Posters: count;") == {"Posters": "count"}
+    assert read(decisions, "Posters") == {}
+    assert "did you mean 'Posters'?" in refused(decisions, "Poster: count")[0]
+    assert "as reading of 'Posters'; expected one of its readings: did you mean" in refused(
+        decisions, "Posters: conut")[0]
 
 
 def test_benchmarks_that_cannot_be_shared_out():

@@ -29,7 +29,7 @@ def competition(tmp_path):
     def write(teams=("A", "B"), **zones):
         zones = zones or {"X": [run("HWV", "A"), run("HWV", "B", 15)], "Y": [run("HNF", "B"), run("HNF", "A", 15)]}
         made = Plan(teams, tuple(PlannedZone(name, tuple(runs)) for name, runs in zones.items()))
-        files.write_new(str(tmp_path), files.new_files(BOOK, made, CLOCK, Hosts(None, None)))
+        files.write_new(str(tmp_path), files.new_files(BOOK, made, CLOCK, Hosts(None, None), {}))
         return tmp_path
     return write
 

@@ -35,7 +35,7 @@ def plan(*runs, teams=("A", "B")):
 
 
 def written(directory, made, hosts=NO_HOSTS):
-    new = files.new_files(BOOK, made, CLOCK, hosts)
+    new = files.new_files(BOOK, made, CLOCK, hosts, {})
     files.write_new(str(directory), new)
     return new
 

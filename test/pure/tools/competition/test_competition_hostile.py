@@ -21,7 +21,8 @@ from roah_rsbb.tools.competition.rulebooks import names
 OPTIONS = [question.option for question in questions({})]
 GOOD = {
     "teams": "A, B, C", "benchmarks": "HWV, HNF, HSUF", "zones": "X: all, Y: HNF", "days": "2026-11-28, 2026-11-29",
-    "daily": "HWV HNF HSUF, HNF", "rounds": "2", "begin": "09:00", "end": "23:00", "every": "15",
+    "daily": "HWV HNF HSUF, HNF", "rounds": "2", "arenas": "2", "decisions": "Posters: count",
+    "begin": "09:00", "end": "23:00", "every": "15",
     "breaks": "12:00-13:00", "time-zone": "UTC", "rsbb-host": "10.0.0.255", "smartif-host": "10.0.0.9",
     "rulebook": "erl2019", "add-team": "D", "sheet": "plan.csv",
 }

@@ -121,7 +121,7 @@ def test_benchmarks_of_certain_days():
 def test_rounds_are_spread_over_the_days(rounds, on_each_day):
     names = [f"T{number}" for number in range(7)]
     report = Report()
-    made = timetable(report, names, {"X": ["HWV"]}, days(3), UTC, rounds)
+    made = timetable(report, names, {"X": ["HWV"]}, days(3), UTC, {"": rounds})
     runs = made.zones[0].runs
     assert [sum(run.begins.day == day for run in runs) for day in (28, 29, 30)] == on_each_day
     assert collections.Counter((run.team, run.round) for run in runs) == collections.Counter(
@@ -173,7 +173,7 @@ def test_any_plan(data, teams, rounds, breaks, minutes):
               for day in days(data.draw(st.integers(1, 3)), minutes=minutes)]
     wanted[0] = wanted[0]._replace(codes=None)  # each benchmark has a day
     report = Report()
-    made = timetable(report, names, zones, wanted, UTC, rounds)
+    made = timetable(report, names, zones, wanted, UTC, rounds and {"": rounds})
     runs = [run for zone in made.zones for run in zone.runs]
     for code in codes:
         on = [day.day for day in wanted if day.codes is None or code in day.codes]

@@ -164,7 +164,6 @@ def test_benchmarks_for_more_days_than_there_are(run):
     ("title: A\nbenchmarks: []\n", 2, "found a sequence ('- item', or [a, b]) as benchmarks; expected a text"),
     ("title: A\nbenchmarks: all\nevery: soon\n", 3, "found 'soon' as minutes"),
     ("title: A\nbenchmarks: all\nevery:\n", 3, "found nothing as every; expected a text, such as 15"),
-    ("title: A\nbenchmarks: all\ndaily: One, Two\n", 3, "found benchmarks for 2 days; expected those of 3 days"),
     ("title: A\nbenchmarks: all\ndaily: One, One, One\n", 3, "found no day for Two"),
     ("title: A\nbenchmarks: all\nzones: 'L: One'\n", 3, "found no zone for Two"),
 ])
@@ -174,6 +173,37 @@ def test_errors_of_a_rulebook(run, own, text, line, reported):
     assert status == 1
     assert err.startswith(f"new_competition: own/rulebook.yaml:{line}: {reported}")
     assert not os.path.exists("new")
+
+
+@pytest.mark.parametrize("days, options, found", [
+    (1, ["--arenas", "1"], {"Arena": 16, "Final": 2}),
+    (2, [], {"Arena 1": 8, "Arena 2": 8, "Final": 2}),
+    (5, ["--rounds", "6, Final: 2"], {"Arena 1": 24, "Arena 2": 24, "Final": 4}),
+])
+def test_an_event_of_robocup_at_home(run, days, options, found):
+    """Any number of days and arenas; the Final is on the last day."""
+    named = [f"2026-11-{number}" for number in range(30 - days, 30)]
+    assert run("new", "--rulebook", "athome2026", "--teams", "Alpha, Beta", "--days", ",".join(named), "--time-zone",
+               "UTC", "--decisions", "Posters: count", *options)[0] == 0
+    loaded, _ = load()
+    held = {zone.name: zone.events for zone in loaded.zones}
+    assert {name: len(held[name]) for name in found} == found
+    assert start(held["Final"][-1])[:2] == named[-1][-2:]
+    assert text_of("new/decisions.yaml") == "Posters: count\n"
+
+
+def test_what_differs_from_event_to_event_is_asked_for(run):
+    typed = "Alpha\n2026-11-29\n1\n\nPosters: conut\nPosters: count\n\nUTC\n\n"
+    status, out, _ = run("new", "--rulebook", "athome2026", typed=typed)
+    assert status == 0
+    assert "Number of arenas (press Enter for 2): " in out
+    assert "  Posters: award only, or count\n" in out and "did you mean 'count'?" in out
+    assert [zone.name for zone in load()[0].zones] == ["Arena", "Restaurant", "Final", "Hall"]
+
+
+def test_arenas_without_a_zone_for_them(run):
+    err = run("new", "--rulebook", "erl2019", *OPTIONS, *DAYS, "--arenas", "2")[2]
+    assert "--arenas: found no zone with '*' in its name" in err
 
 
 def test_an_unknown_rulebook(run):
