@@ -11,7 +11,7 @@ from typing import Any, Dict, Tuple
 from tornado import web
 
 from roah_rsbb.ground.kept_file import Save, SavedBeside
-from roah_rsbb.model.actions import ENTRIES, OBJECT, ORGANISER
+from roah_rsbb.model.actions import ENTRIES, OBJECT
 from roah_rsbb.web.commands import SHEET, carried_out
 from roah_rsbb.web.own_pages import FromOwnPage, OfOrganiser
 from roah_rsbb.web.pairing import CODE_LENGTH, SIGNS, DeviceSession, Grant, TooManyGuesses, signs_of
@@ -83,6 +83,12 @@ class _OfTeam(FromOwnPage):
         """Whether the browser had the team's code."""
         return bool(self._server.team_codes.is_token(team, self.get_cookie(self.cookie(COOKIE), "")))
 
+    async def carried_out(
+        self, captain: DeviceSession, command: str, body: Dict[str, Any]
+    ) -> Tuple[int, Dict[str, Any]]:
+        """Carry out a command of a team, which may do it."""
+        return await carried_out(self._server, captain, command, body, self.language(), lambda _command: True)
+
 
 class TeamHandler(_OfTeam):
     """A team's own robot."""
@@ -131,10 +137,10 @@ class ProtestHandler(_OfTeam):
             with server.store.speaking(self.language()):
                 self.refuse(403, tr(device.NO_PROTEST))
             return
-        session = DeviceSession("", Grant(ORGANISER, ""), team, "team page", 0.0)
-        status, answer = await carried_out(server, session, OBJECT, {
+        session = DeviceSession(team, Grant(CAPTAIN, run["zone"]), team, "page of", server.utc())
+        status, answer = await self.carried_out(session, OBJECT, {
             "zone": run["zone"], "identity": identity, "by": team, "text": self.text("text"),
-            "second": self.body.get("second", 0)}, self.language())
+            "second": self.body.get("second", 0)})
         self.set_status(status)
         self.finish(answer)
 
@@ -155,15 +161,12 @@ class TeamSheetHandler(_OfTeam):
         status, answer = 200, {}
         if "name" in self.body:
             body = {key: value for key, value in self.body.items() if key in _OF_CAPTAIN}
-            status, answer = await self._do(captain, CAPTAIN, {**body, "zone": zone, "identity": identity})
+            status, answer = await self.carried_out(captain, CAPTAIN, {**body, "zone": zone, "identity": identity})
         if status == 200:
-            status, answer = await self._do(captain, SHEET, {"zone": zone, "identity": identity})
+            status, answer = await self.carried_out(captain, SHEET, {"zone": zone, "identity": identity})
             answer = {key: value for key, value in answer.items() if key in _OF_SHEET} if status == 200 else answer
         self.set_status(status)
         self.finish(answer)
-
-    async def _do(self, captain: DeviceSession, command: str, body: Dict[str, Any]) -> Tuple[int, Dict[str, Any]]:
-        return await carried_out(self._server, captain, command, body, self.language(), lambda _command: True)
 
 
 class CodesHandler(OfOrganiser):

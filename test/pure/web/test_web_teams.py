@@ -12,7 +12,7 @@ from helpers.shown_box import MONO, NOW, zone_of
 from roah_rsbb.ground.kept_file import open_kept
 from roah_rsbb.model.document import RobotSeen
 from roah_rsbb.model.records import CaptainSign
-from roah_rsbb.model.results import EventSeen, HistoryEntry, RunLine, RunSheet
+from roah_rsbb.model.results import EventSeen, HistoryEntry, ObjectionLine, RunLine, RunSheet
 from roah_rsbb.model.zone import RobotInRun, SheetItem
 from roah_rsbb.web.commands import Outcome
 from roah_rsbb.web.pairing import GUESSES_AT_ONCE
@@ -199,6 +199,39 @@ def test_the_captain_reads_and_signs_with_the_code_of_the_team(running):
         running.turn()
     assert [(name, zone) for name, zone, _, _ in given] == [(name, "Lab") for name in ("sheet", "captain", "sheet")]
     assert given[1][2]["given"] == sign and given[1][3] == f"Cleo, captain, page of {TEAM}"
+
+
+def test_a_team_objects_with_its_code_as_long_as_the_rules_allow_it(running):
+    given = []
+
+    async def command(sent):
+        given.append((sent.name, sent.zone, sent.fields["identity"], sent.fields["given"], sent.session.who))
+        return Outcome(result={})
+
+    answered = ObjectionLine(1, NOW, TEAM, "a cup", "Olga", NOW, "Olga", False, "it was away")
+    runs = [RunLine(name, 1, "Lab", "HWV", team, 1, 1, NOW, NOW, NOW, "stopped", protests_until_utc_s=until,
+                    objections=(answered,))
+            for name, team, until in (("own", TEAM, NOW + 1e9), ("late", TEAM, NOW - 1.0), ("never", TEAM, None),
+                                      ("others", "Others", NOW + 1e9))]
+    served = Served(running, command=command)
+    try:
+        served.box.document = served.box.document._replace(results={run.identity: run for run in runs})
+        served.server.team_pages = ALL
+        assert "protests" not in served.facts()
+        cookie = f"{TEAM_COOKIE}={served.server.team_codes.token(TEAM)}"
+        found = served.facts(Cookie=cookie)["protests"]
+        assert [run["identity"] for run in found["runs"]] == ["own"]
+        assert found["objections"][0]["answer"] == "rejected: it was away"
+        path = f"teams/{quote(TEAM, safe='')}/protest"
+        for run, headers in (("own", {}), *((run, {"Cookie": cookie}) for run in ("late", "never", "others", ""))):
+            assert served.ask(path, body={"identity": run, "text": "why"}, **headers).code == 403
+        assert given == []
+        assert served.ask(path, body={"identity": "own", "text": "why", "second": 161}, Cookie=cookie).code == 200
+    finally:
+        served.server.close()
+        running.turn()
+    assert given == [("object", "Lab", "own", {"by": TEAM, "text": "why", "second": 161},
+                      f"{TEAM}, captain, page of {TEAM}")]
 
 
 def test_many_readers_behind_one_address_have_the_code(served):
