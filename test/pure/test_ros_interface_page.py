@@ -8,8 +8,8 @@ import pytest
 
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.model import run_log
-from roah_rsbb.model.actions import ACTIONS, ENTRIES
-from roah_rsbb.model.fields import Number
+from roah_rsbb.model.actions import ACTIONS, EDITS, ENTRIES
+from roah_rsbb.model.fields import Number, OfSchedule
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "ros_interface.md").read_text(encoding="utf-8")
@@ -92,10 +92,12 @@ def _kind(field):
     if isinstance(field, Number):
         bounds = f"from {field.low}" if field.high >= 2**31 - 1 else f"{field.low} to {field.high}"
         return f"number {bounds if field.low > -2**31 else ''} {field.unit}".strip()
+    if isinstance(field, OfSchedule):
+        return field.of
     return {"choice": ", ".join(getattr(field, "choices", ())), "toggle": "true or false"}.get(field.kind, field.kind)
 
 
-@pytest.mark.parametrize("number, actions", [(0, ACTIONS), (1, ENTRIES)])
+@pytest.mark.parametrize("number, actions", [(0, ACTIONS), (1, ENTRIES), (2, EDITS)])
 def test_the_tables_of_actions_are_those_of_the_code(number, actions):
     """A failure? Copy the lines that it prints into the page."""
     rows = ["| action | label | fields | |", "|---|---|---|---|", *map(_row, actions.values())]
