@@ -442,15 +442,18 @@ class Candidates:
         return names if len(names) > 1 else ()
 
     def outsiders(self, now: Now, zone: Zone) -> List[str]:
-        """Warn of robots that are not in the run of all robots, as long as that can be changed.
+        """Warn of robots that are not in the run of all robots, or in one for which no robot was heard, as long as that
+        can be changed.
 
         A robot that cannot take part does not exclude the others (docs/benchmarks.md, "The table"). The referee sees
         who is left out and why, and can disconnect and connect again to include a late robot.
         """
-        if zone.event.benchmark.kind is not BenchmarkKind.ALL_ROBOTS:
-            return []
         if zone.run is not None and zone.run.phase is not Phase.CONNECTED:
             return []
+        if zone.event.benchmark.kind is not BenchmarkKind.ALL_ROBOTS:
+            # A robot that was heard only after *connect*.
+            is_late = isinstance(zone.run, HandRun) and not zone.event.benchmark.profile.beacon
+            return [OUTSIDE(robot=str(robot.id)) for robot in self._idle(now, zone)] if is_late else []
         found = self._outsiders(now, zone)
         if zone.run is None:
             return list(found.unfit)

@@ -33,7 +33,9 @@ def test_without_a_beacon_connect_opens_a_run_that_people_start_where_none_is_ne
     assert driver.off("connect") == []
     assert "No robot of team Alpha is heard: people start it" in driver.view().state
     driver.command("connect")
-    assert driver.view().by_hand and driver.channels == {}
+    assert driver.view().by_hand and driver.channels == {} and driver.view().warnings == ()
+    driver.robot().beacon()
+    assert "is active, but not in this run: disconnect and connect again" in str(driver.view().warnings)
     driver.command("start")
     assert driver.view().phase == "running" and driver.notices(Level.WARNING, Level.ERROR) == []
     driver.command("stop")
