@@ -1745,6 +1745,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>All {number} events</source>
+        <translation>Alle {number} Termine</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
         <source>Nothing is known of this team</source>
         <translation>Über dieses Team ist nichts bekannt</translation>
     </message>
@@ -1852,6 +1857,11 @@
         <location filename="../../src/roah_rsbb/wording/public.py"/>
         <source>ended</source>
         <translation>beendet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>For the team</source>
+        <translation>Für das Team</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/public.py"/>

@@ -11,6 +11,8 @@ const ZONES_IN_A_COLUMN = 3;
 const DOCUMENTS = ["page.words", "page.runs", "page.next", "page.results", "page.standings", EXPLAINED];
 // Displays that show something else have no space for runs.
 const WITH_RUNS = ["rotating", "run"];
+// So many of the next events are shown at once on a phone.
+const SOON = 5;
 // Scores of one line of a list that stay on one page.
 const SCORES_TOGETHER = 4;
 // How long a result has the screen to itself.
@@ -81,20 +83,20 @@ function Zones({runs, live, words, next}) {
     </section>`;
 }
 
-// The moment of a result.
+// The moment of a result: on one ground, however the run ended.
 const Result = ({line, live, words}) => html`
-  <section class="result band ${line.look}">
+  <section class="result band completed">
+    <${TeamMark} team=${line.of_team} live=${live} />
     <div class="who">
-      <${TeamMark} team=${line.of_team} live=${live} />
       <${Fit} tag="h2" class="team">${line.team}<//>
       <${Fit} tag="p" class="benchmark">${line.benchmark}<//>
-      <${State} run=${line} word=${line.last} />
     </div>
-    <div class="points">
-      ${line.points && html`<b>${line.points}</b><span>${words.points}</span>`}
-      ${line.rank && html`<p class="rank">${words.rank_is.replace("{rank}", () => line.rank)}</p>`}
-    </div>
-    <p class="scores">${line.scores.join(" · ")}</p>
+    <p class="points">
+      ${line.points ? html`<b>${line.points}</b> <span>${words.points}</span>` : html`<${State} run=${line} word=${line.last} />`}
+      ${line.rank && html`<b class="rank">${words.rank_is.replace("{rank}", () => line.rank)}</b>`}
+    </p>
+    ${line.scores.length > 0 && html`
+      <ul class="scores">${line.scores.slice(0, SCORES_TOGETHER).map(([name, value]) => html`<li><b>${value}</b> <span>${name}</span></li>`)}</ul>`}
   </section>`;
 
 // A result that came while this page is open, for some seconds.
@@ -203,13 +205,17 @@ function Display({live, words}) {
       <${Top} live=${live} words=${words} />
       ${moment && html`<${Result} line=${moment} live=${live} words=${words} />`}
       ${hasRuns && html`<${Zones} runs=${runs} live=${live} words=${words} />`}
-      ${all.map((list) => html`<section><h2>${list.title}</h2><${List} list=${list} live=${live} words=${words} /></section>`)}`;
+      ${all.map((list) => html`<section><h2>${list.title}</h2>${list.isFirst && list.lines.length > SOON ? html`
+        <${List} list=${list} part=${blocks(list).slice(0, SOON)} />
+        <details><summary>${words.all_events.replace("{number}", () => list.lines.length)}</summary><${List} list=${list} part=${blocks(list).slice(SOON)} /></details>`
+    : html`<${List} list=${list} live=${live} words=${words} />`}</section>`)}`;
   }
   if (moment) {
     return html`${title}
       <${Top} live=${live} words=${words} title=${words.results} />
       <${Result} line=${moment} live=${live} words=${words} />
-      <${Runs} runs=${runs.slice(0, ZONES_ON_A_PAGE)} live=${live} />`;
+      ${runs.length > 0 ? html`<${Runs} runs=${runs.slice(0, ZONES_ON_A_PAGE)} live=${live} />`
+    : html`<${Next} line=${live.data["page.next"].lines.filter(isChosen)[0]} words=${words} />`}`;
   }
   return html`${title}<${Board} live=${live} words=${words} runs=${runs} all=${all} hasRuns=${hasRuns} turn=${turn} />`;
 }

@@ -16,7 +16,7 @@ function Index({live, words}) {
   const [next] = lines;
   const zones = [...new Set([...runs, ...lines].map((line) => line.zone))].sort();
   const teams = [...new Set([...runs.flatMap((run) => run.teams), ...[...lines, ...done].map((line) => line.of_team)])]
-    .filter((team) => team !== "ALL").sort();
+    .filter((team) => team !== "ALL").sort((one, other) => one.localeCompare(other));
   const perZone = (path) => [
     [words.all_zones, address(path)],
     ...(zones.length > 1 ? zones.map((zone) => [zone, address(path, {zone})]) : []),
@@ -26,13 +26,13 @@ function Index({live, words}) {
   return html`
     <${Trouble} text=${troubleText(live, words)} />
     <header class="head">
-      <${TeamMark} team="competition" live=${live} />
+      ${words.logos.includes("competition") && html`<${TeamMark} team="competition" live=${live} />`}
       <div><h1>${words.title || "RoAH RSBB"}</h1><p class="quiet">${words.date}</p></div>
     </header>
     <section>
       <h2 class="unseen">${words.runs}</h2>
       ${runs.length > 0 ? html`<ul class="panel live">${runs.map((run) => html`
-        <li key=${run.zone}>
+        <li key=${run.zone} class=${run.look}>
           <span class="zone-name">${run.zone}</span><${State} run=${run} />
           <span><b class="team">${run.team}</b><small class="quiet">${run.benchmark}</small></span>
           <${Progress} run=${run} live=${live} /><${Clock} run=${run} live=${live} />
@@ -45,7 +45,7 @@ function Index({live, words}) {
       <${Way} icon="referee" to=${address("/referee")} title=${words.referee} how=${words.referee_how} now=${words.referee_now} />
       <${Way} icon="team" to="#teams" title=${words.team} how=${words.team_how} now=${count(words.team_now, teams.length)} />
       <${Way} icon="organise" to=${address("/box")} title=${words.organise} how=${words.organise_how}
-        now=${next && next.planned ? words.late.replace("{time}", () => next.time).replace("{planned}", () => next.planned) : count(words.organise_now, lines.length)} />
+        now=${next && next.planned ? `${words.next}: ${words.late.replace("{time}", () => next.time).replace("{planned}", () => next.planned)}` : count(words.organise_now, lines.length)} />
     </nav>
     <section id="teams">
       <h2>${words.teams}</h2>

@@ -34,7 +34,7 @@ function shownNow(live, words) {
   }
   return result && what !== "nothing" && (what === "results" || parameters.get("results") === "1")
     && third(mark(result.of_team), result.team, result.benchmark, html`
-      <div class="when ${band(result)}"><b class="big">${result.points}</b><${State} run=${result} word=${result.last} /></div>
+      <div class="when band completed">${result.points ? html`<b class="big">${result.points}</b><span>${words.points}</span>` : html`<${State} run=${result} word=${result.last} />`}</div>
       ${result.rank && html`<div class="when"><span>${words.rank}</span><b class="big">${result.rank}</b></div>`}`);
 }
 

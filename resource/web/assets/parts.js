@@ -146,19 +146,27 @@ export const Trouble = ({text}) => text && html`
 
 // -- runs ---------------------------------------------------------------------------------------------
 
-// Lines that shrink until they fit: all at once, because the browser lays the page out before each look.
+// Lines that shrink until they fit: all at once, because the browser lays the page out before each look. Where the page
+// has space for it, a name that would become too small takes two lines instead.
 let lines = [];
+const TWO_LINES = ".zone .team, .result .team";
 
 function fit() {
   const range = document.createRange();
-  lines.forEach(({style}) => Object.assign(style, {fontSize: "", textOverflow: "clip"}));  // the dots would count
+  lines.forEach((line) => {
+    line.classList.remove("two");
+    Object.assign(line.style, {fontSize: "", textOverflow: "clip"});  // the dots would count
+  });
   const shares = lines.map((line) => {
     range.selectNodeContents(line);
     return line.getBoundingClientRect().width / range.getBoundingClientRect().width;
   });
   // Whole pixels are not exact enough, and letters do not shrink exactly.
-  lines.forEach(({style}, place) => Object.assign(style, {
-    fontSize: shares[place] < 1 ? `${Math.max(SMALLEST, 0.99 * shares[place])}em` : "", textOverflow: ""}));
+  lines.forEach((line, place) => {
+    const isTwo = line.classList.toggle("two", shares[place] < SMALLEST && line.closest(TWO_LINES) !== null);
+    Object.assign(line.style, {
+      fontSize: shares[place] < 1 && !isTwo ? `${Math.max(SMALLEST, 0.99 * shares[place])}em` : "", textOverflow: ""});
+  });
   lines = [];
 }
 
@@ -232,36 +240,50 @@ export const Zone = ({run, live}) => html`
 // A coming event or a result.
 export function Line({line, scores = line.scores, isMore = false}) {
   return html`
-    <li class="line">
+    <li class="line ${line.look && "ended"}">
       ${!isMore && html`
         <div class="row">
           <${Fit} class="time"><b>${line.time}</b>${line.planned && html` <s>${line.planned}</s>`}<//>
           <${Fit} class="team">${line.team}<//>
           <${Fit} class="benchmark">${line.benchmark}<//>
-          ${line.look ? html`<${State} run=${line} word=${line.last} />` : html`<span class="last">${line.last}</span>`}
+          <span class="last">${line.look ? html`<${State} run=${line} word=${line.last} />` : line.last}
+            ${line.points && html` <b class="points">${line.points}</b>`}</span>
         </div>`}
-      ${scores.length > 0 && html`<div class="scores">${scores.join(" · ")}</div>`}
+      ${scores.length > 0 && html`<div class="scores">${scores.map(([name, value]) => html`<span>${name} <b>${value}</b></span> `)}</div>`}
     </li>`;
 }
 
 // The rows of a standing: its teams, then what a reader must know of it.
-export const ranksOf = ({ranks, notes}) => [...ranks, ...notes];
+export const ranksOf = ({ranks, notes}) => [...ranks, ...(notes.length ? [{note: `* ${notes.map(({note}) => note).join(" · ")}`}] : [])];
+
+// The columns of a standing, the one that decides at the end: without those in which nobody has anything. A screen in the
+// hall has space for few, and shows what decides.
+const MOST_COLUMNS = 4;
+function columns({criteria, ranks}) {
+  const found = criteria.map((name, place) => [name, place])
+    .filter(([, place]) => place === 0 || ranks.some(({numbers}) => !["", "0", "–"].includes(numbers[place] || "")));
+  const most = document.body.dataset.layout === "board" ? MOST_COLUMNS : criteria.length;
+  return found.length > most ? found.slice(0, 1) : [...found.slice(1), ...found.slice(0, 1)];
+}
 
 // A standing, as a table.
-export const Standing = ({standing, words, live, ranks = ranksOf(standing), current}) => html`
-  <table class="table standing">
-    <thead><tr>
-      <th scope="col">${words.rank}</th><th scope="col" class="team">${words.team}</th>
-      ${standing.criteria.map((name) => html`<th scope="col" class="number">${name}</th>`)}
-    </tr></thead>
-    <tbody>${ranks.map(({rank, team, numbers, note}) => note ? html`
-      <tr key=${note} class="note"><td colspan=${2 + standing.criteria.length}>* ${note}</td></tr>` : html`
-      <tr key=${team} class="rank" aria-current=${team === current ? "true" : undefined}>
-        <td><b>${rank}</b></td>
-        <th scope="row" class="team"><span><${TeamMark} team=${team} live=${live} /><${Fit}>${team}<//></span></th>
-        ${standing.criteria.map((name, place) => html`<td class="number" data-name=${name}>${numbers[place] || ""}</td>`)}
-      </tr>`)}</tbody>
-  </table>`;
+export function Standing({standing, words, live, ranks = ranksOf(standing), current}) {
+  const shownHere = columns(standing);
+  return html`
+    <table class="table standing">
+      <thead><tr>
+        <th scope="col">${words.rank}</th><th scope="col" class="team">${words.team}</th>
+        ${shownHere.map(([name]) => html`<th scope="col" class="number">${name}</th>`)}
+      </tr></thead>
+      <tbody>${ranks.map(({rank, team, numbers, note}) => note ? html`
+        <tr key=${note} class="note"><td colspan=${2 + shownHere.length}>${note}</td></tr>` : html`
+        <tr key=${team} class="rank" aria-current=${team === current ? "true" : undefined}>
+          <td><b>${rank}</b></td>
+          <th scope="row" class="team"><span><${TeamMark} team=${team} live=${live} /><${Fit}>${team}<//></span></th>
+          ${shownHere.map(([name, place]) => html`<td class="number" data-name=${name}>${numbers[place] || ""}</td>`)}
+        </tr>`)}</tbody>
+    </table>`;
+}
 
 // A run explained: what happens now, its steps, what it is about, and what the robot says.
 function explanation(run) {

@@ -69,7 +69,7 @@ class ListLine(NamedTuple):
     team: str
     benchmark: str
     last: str  # an event's zone, or how the run of a result ended
-    scores: Tuple[str, ...] = ()  # below the other texts
+    scores: Tuple[Tuple[str, str], ...] = ()  # names and values, below the other texts
     planned: str = ""  # the scheduled time of an event that is late
     look: str = ""  # of a result: see `sheets.look`
     points: str = ""  # of a result; empty: it has none, or they are not public
@@ -134,7 +134,7 @@ def page_words() -> Dict[str, str]:
         all_zones="all zones", teams="Teams", standings="Standings", data="Data for programs",
         no_results="No results are public yet", no_standings="No standings are public yet",
         pair_page="Pair this device", displays_page="What each display shows", codes_page="Codes of the teams",
-        no_events="No more events", not_in_schedule="Nothing is known of this team",
+        no_events="No more events", all_events="All {number} events", not_in_schedule="Nothing is known of this team",
         late="{time} instead of {planned}", points="Points", rank="Rank", rank_is="Rank {rank}", team="Team",
         zones_here="Each zone will have a line here with its team, its state and its clock.",
         teams_here="The teams will be listed here as soon as the box has a schedule.",
@@ -190,13 +190,15 @@ def _standing(standing: PublicStanding) -> StandingTexts:
 def _result(result: PublicResult, utc_s: float, rank: str) -> ListLine:
     groups = [sheets.GroupOfValues(group.name, [item.value for item in group.items], group.not_attempted)
               for group in result.groups]
-    sums = [sheets.sums_text([group]) for group in groups if group.values]
+    sums = [(group.name, sheets.sum_text(group)) for group in groups if group.values]
     if result.points is not None:
-        sums = [sheets.points_text(result.points)]
+        sums = [(tr_said(name), number(points)) for name, points in sheets.groups_shown(result.points)]
+        if result.points.for_team:
+            sums.append((tr("For the team"), number(result.points.for_team)))
     lines = [sheets.score_line(score) for score in result.module_scores]
     return ListLine(
         local_time(result.disconnected_utc_s, utc_s), team_text(result.event.team), result.event.benchmark,
-        sheets.end_reason(result.end_reason), (*(f"{line.name} {line.value}" for line in lines), *sums),
+        sheets.end_reason(result.end_reason), (*((line.name, line.value) for line in lines), *sums),
         look=sheets.look(ENDED, result.end_reason),
         points="" if result.points is None else number(result.points.total), rank=rank)
 

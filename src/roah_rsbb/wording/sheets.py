@@ -291,20 +291,26 @@ def sums_text(groups: Iterable[GroupOfValues]) -> str:
 
     A yes counts as 1; empty groups are left out.
     """
-    return " · ".join(_sum(group) for group in groups if group.values)
+    return " · ".join(f"{group.name} {sum_text(group)}" for group in groups if group.values)
 
 
 def points_said(points: SheetPoints) -> str:
     """Return the points, such as "85 points: Achievements 100 · Penalized -15"; of a single group only the total.
 
-    A group that is part of another one is left out, because readers add them up, and one without points.
+    See `groups_shown` for which of them.
     """
-    found = [joined([_TIME_LEFT if name == _TIME_LEFT else name, number], " ") for name, number in points.groups
-             if name not in points.inner and number != "0" and len(points.groups) > 1]
+    found = [joined(group, " ") for group in groups_shown(points)]
     said = _POINTS(points=points.total)
     if points.for_team:
         said = _POINTS_AND(points=points.total, more=points.for_team)
     return joined([said, joined(found, " · ")], ": ") if found else said
+
+
+def groups_shown(points: SheetPoints) -> List[Tuple[str, str]]:
+    """Return the names and points of the groups, if there are several: without those that are part of another one,
+    because readers add them up, and those without points."""
+    return [(_TIME_LEFT if name == _TIME_LEFT else name, number) for name, number in points.groups
+            if name not in points.inner and number != "0" and len(points.groups) > 1]
 
 
 def points_text(points: Optional[SheetPoints]) -> str:
@@ -312,9 +318,10 @@ def points_text(points: Optional[SheetPoints]) -> str:
     return "" if points is None else tr_said(points_said(points))
 
 
-def _sum(group: GroupOfValues) -> str:
+def sum_text(group: GroupOfValues) -> str:
+    """Return the sum of a group, such as "5 (1 not attempted)"."""
     mark = tr("({n} not attempted)", n=group.not_attempted) if group.not_attempted else ""
-    return f"{group.name} {sum(group.values)} {mark}".rstrip()
+    return f"{sum(group.values)} {mark}".rstrip()
 
 
 # -- sign-off ---------------------------------------------------------------------------------------

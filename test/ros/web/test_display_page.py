@@ -10,7 +10,7 @@ from support.gateway import URL, wait_served
 SHOTS = pathlib.Path(__file__).resolve().parents[3] / "build" / "screenshots"
 SIZES = ((1280, 720), (1920, 1080), (1280, 1024), *([(3840, 2160)] if IS_ALL else []))
 TEXT = "document.body.innerText"
-TEAMS = ("BrassButlers", "CopperKettle", "HomeAlone", "TeaAtFive")
+TEAMS = ("Hibikino-Musashi@Home", "CopperKettle", "HomeAlone", "TeaAtFive")
 BENCHMARKS = ("Getting to know my home", "Welcoming visitors", "Catering for Granny Annie's Comfort")
 LOOKS = {"executing": "running", "ready": "ready", "completed": "completed"}
 CLOCK = 1_800_000_000.0
@@ -77,7 +77,7 @@ def _runs(count: int, **fields: Any) -> Dict[str, Any]:
 
 def _lists(scores: int = 3) -> Dict[str, Any]:
     result = {"last": "completed", "look": "completed", "points": "12", "rank": "1",
-              "scores": [f"Achievements, part {n}: {n} points" for n in range(scores)]}
+              "scores": [[f"Achievements, part {n}", str(n)] for n in range(scores)]}
     ranks = [{"rank": str(n + 1), "team": TEAMS[n % 4] + " of Lisbon" * (n > 3), "numbers": ["5", ""]}
              for n in range(13)]
     return {
@@ -105,10 +105,10 @@ class TestDisplay(NeedsBrowser):
         self.addCleanup(self.page.close)
         self.open(turn_ms=2 ** 31 - 1)
 
-    def open(self, turn_ms: int) -> None:
+    def open(self, turn_ms: int, query: str = "") -> None:
         """Open the page, and let it show only what the test says."""
         self.page.command("Page.addScriptToEvaluateOnNewDocument", source=TURN.replace("{ms}", str(turn_ms)))
-        self.page.open(f"{URL}/display?layout=board")
+        self.page.open(f"{URL}/display?layout=board{query}")
         self.page.wait("live.data['page.words'] && live.data['page.runs']", "the gateway has answered")
         self.page.get(TAKE_OVER)
 
@@ -181,7 +181,7 @@ class TestDisplay(NeedsBrowser):
     def test_a_new_result_has_the_screen_for_a_moment(self) -> None:
         self.show(_runs(2), _lists())
         lists = _lists()
-        new = _line(3, last="stopped", look="stopped", points="4711", rank="2=", scores=["Achievements: 4711"])
+        new = _line(3, last="stopped", look="stopped", points="4711", rank="2=", scores=[["Achievements", "4711"]])
         lists["page.results"]["results"].insert(0, new)
         was_shown = self.page.note("['TeaAtFive', '4711', 'Rank 2=', 'stopped'].every(one => "
                                    "(document.querySelector('.result') || document.head).innerText.includes(one))")
@@ -190,9 +190,7 @@ class TestDisplay(NeedsBrowser):
         self.assertEqual(self.faults(), [])
 
     def test_standings_fill_the_screen(self) -> None:
-        self.page.open(f"{URL}/display?layout=board&show=standings")
-        self.page.wait("live.data['page.words'] && live.data['page.runs']", "the gateway has answered")
-        self.page.get(TAKE_OVER)
+        self.open(2 ** 31 - 1, "&show=standings")
         for size in SIZES:
             self.page.resize(*size)
             self.show(_runs(2), _lists())
@@ -201,3 +199,15 @@ class TestDisplay(NeedsBrowser):
             self.assertEqual(self.faults(), [])
             bottom = "document.querySelector('.list table').getBoundingClientRect().bottom"
             self.assertTrue(self.page.get(f"{bottom} > 0.85 * innerHeight"), size)
+
+    def test_a_standing_shows_the_columns_for_which_there_is_space(self) -> None:
+        self.open(2 ** 31 - 1, "&show=standings")
+        heads = "[...document.querySelectorAll('.list thead th')].slice(2).map(one => one.textContent)"
+        names = ["Total", *(f"Task {number}" for number in range(1, 7))]
+        for filled, shown in ((1, ["Task 1", "Total"]), (3, ["Task 1", "Task 2", "Task 3", "Total"]), (4, ["Total"])):
+            ranks = [{"rank": "1", "team": team, "numbers": ["1290.5", *filled * ["645.25"], *["0"] * (6 - filled)]}
+                     for team in TEAMS]
+            standing = {"title": "Standing: Tasks", "criteria": names, "ranks": ranks, "notes": ["Final has no runs yet"]}
+            self.show(_runs(2), _lists(), {"page.standings": {"standings": [standing]}})
+            self.page.screenshot(SHOTS / f"display_standing_{filled}.png")
+            self.assertEqual((self.page.get(heads), self.faults()), (shown, []))

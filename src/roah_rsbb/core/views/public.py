@@ -113,11 +113,9 @@ class PublicViews:
         lines = [(zone.name, event) for zone in self._box.zones.values()
                  for place, event in enumerate(zone.events[_first(zone):], _first(zone))
                  if (zone.name, place) not in over]
-        lines.sort(key=lambda line: line[1].scheduled)
-        return tuple(
-            _event(zone, event.benchmark, *which)._replace(begins_utc_s=begins.get((zone, *which), 0.0))
-            for zone, event in lines[:MAX_FOLLOWING]
-            for which in [(event.team, event.round, event.run, event.scheduled)])
+        found = [_event(zone, event.benchmark, *which)._replace(begins_utc_s=begins.get((zone, *which), 0.0))
+                 for zone, event in lines for which in [(event.team, event.round, event.run, event.scheduled)]]
+        return tuple(sorted(found, key=lambda one: max(one.scheduled_utc_s, one.begins_utc_s))[:MAX_FOLLOWING])
 
     def _ranking(self, now: Now) -> Tuple[PublicStanding, ...]:
         """Return the standings of the runs that are signed off. Such a run never changes; whether it counts may."""
