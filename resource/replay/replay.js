@@ -149,8 +149,8 @@ function drawState() {
 
 function drawScores() {
   const values = data.values.map((track) => valueAt(track, at.time)), total = valueAt(data.points, at.time);
-  if (!changed("scores", [values, total])) return;
-  const rows = [];
+  if (!changed("scores", [values, total, ofItem])) return;
+  const rows = [], marked = new Set(data.timeline.map((one) => one.item));  // a button leads to an item's marks
   let group = null;
   data.items.forEach(([title, desc], index) => {
     if (!values[index]) return;
@@ -163,7 +163,13 @@ function drawScores() {
       group = title;
     }
     const row = make("tr");
-    row.append(make("td", values[index][0]), make("td", values[index][1]), make("td", desc));
+    if (["0", "no", "–"].includes(values[index][0])) row.className = "none";
+    const name = make("td", marked.has(index) ? undefined : desc), button = make("button", desc);
+    button.type = "button";
+    button.setAttribute("aria-pressed", String(index === ofItem));
+    button.addEventListener("click", () => showItem(index));
+    if (marked.has(index)) name.append(button);
+    row.append(make("td", values[index][0]), make("td", values[index][1]), name);
     rows.push(row);
   });
   if (total !== undefined) {
@@ -205,6 +211,13 @@ const LOOKS = {
   connected: "ready", running: "executing", ended: "completed", STOP: "stopped", PREPARE: "ready", PREPARING: "ready",
   WAITING_RESULT: "executing", EXECUTING: "executing", RESULT_TX: "completed",
 };
+// The signs of what happened in the run, beside its words; a mark has that of what it gave.
+const SIGNS = {
+  note: "✎", stop: "■", end: "■", start: "▶", restart: "▶", continue: "▶", resume: "▶", pause: "⏸", phase: "»",
+  sign_off: "✓", captain: "✓", outage: "⚠", proposal: "?",
+};
+const gives = ({ points, change }) => (points || change).startsWith("−") ? "penalty" : points || change ? "achievement" : "";
+const signOf = (one) => SIGNS[one.kind] || { penalty: "▼", achievement: "▲" }[gives(one)] || "•";
 // The lanes' names, where the kinds' are too long.
 const SHORT = {
   "Timeline of states": "States", "Goals and results": "Goals", "Manual operations": "Operations",
@@ -217,6 +230,7 @@ function drawPicture() {
   const canvas = $("picture"), width = $("lanes").clientWidth, robot = data.robots[at.robot];
   const states = (track) => (context, top) => drawStates(context, top, track);
   const lanes = [];
+  if (data.timeline.length) lanes.push(["Timeline", happened]);
   if (data.phase.length) lanes.push(["Phase", states(data.phase.map(([time, value]) => [time, value[0]]))]);
   if (robot) {
     lanes.push(["Box", states(robot.box)], ["Robot", states(robot.robot)]);
@@ -237,6 +251,7 @@ function drawPicture() {
   context.textBaseline = "middle";
   const token = (name) => style.getPropertyValue(`--${name}`);
   context.palette = { text: token("text"), bad: token("warning"), line: token("line-control"), accent: token("action"),
+    penalty: token("penalty"), achievement: token("achievement"),
     look: (name) => token(`state-${LOOKS[name] || "waiting"}-band`) };
   lanes.forEach(([title, draw], number) => {
     const top = number * (LANE + GAP);
@@ -257,6 +272,15 @@ function drawStates(context, top, track) {
     context.fillStyle = "#ffffff";
     if (context.measureText(name).width + 6 < width) context.fillText(name, left + 3, top + LANE / 2);
   });
+}
+
+function happened(context, top) {
+  context.textAlign = "center";
+  for (const one of data.timeline) {
+    context.fillStyle = context.palette[gives(one)] || context.palette.text;
+    context.fillText(signOf(one), scale(one.at), top + LANE / 2 + 1);
+  }
+  context.textAlign = "left";
 }
 
 function bars(items, share, isBad) {
@@ -283,6 +307,44 @@ function ticks(number) {
       context.fillRect(x - 1, bad ? top : top + 4, 2, bad ? LANE : LANE - 8);
     }
   };
+}
+
+// -- the timeline of the run ------------------------------------------------------------------------
+
+let ofItem = null;  // the place of the item whose marks are shown; null: everything
+
+// Show only the marks of an item, or everything again.
+function showItem(item) {
+  ofItem = item === ofItem ? null : item;
+  $("of-item").hidden = ofItem === null;
+  $("of-item").firstElementChild.textContent = ofItem === null ? "" : data.items[ofItem][1];
+  draw();
+}
+
+function makeHappened() {
+  $("timeline-part").hidden = data.timeline.length === 0;
+  $("happened").replaceChildren(...data.timeline.map((one) => {
+    const row = make("li"), button = make("button");
+    button.type = "button";
+    button.append(make("span", one.clock || timeOfDay(one.at).slice(0, 8), "when"),
+      make("span", signOf(one), `sign ${gives(one)}`), make("span", one.text), make("b", one.points || one.change, gives(one)),
+      make("small", [one.note, one.who, one.said].filter(Boolean).join(" · ")));
+    button.addEventListener("click", () => seek(one.at));
+    row.append(button);
+    return row;
+  }));
+}
+
+function drawHappened() {
+  const list = $("happened"), current = lastUpTo(data.timeline, at.time, (one) => one.at);
+  if (!changed("happened", [current, ofItem])) return;
+  [...list.children].forEach((row, place) => {
+    row.hidden = ofItem !== null && data.timeline[place].item !== ofItem;
+    row.className = place > current ? "later" : "";
+    row.firstChild.setAttribute("aria-current", String(place === current));
+  });
+  const now = list.children[current];
+  if (now && !list.contains(document.activeElement)) list.scrollTop = now.offsetTop - list.clientHeight / 2;
 }
 
 // -- the list of events -----------------------------------------------------------------------------
@@ -400,6 +462,7 @@ function draw() {
   $("slider").setAttribute("aria-valuetext", `${timeOfDay(moment)}, ${duration(moment / 1000)} after connect`);
   $("cursor").style.transform = `translateX(${scale(moment)}px)`;
   drawState();
+  drawHappened();
   if (at.playing) {
     const current = lastUpTo(shown, moment, (index) => data.events[index][0]);
     if (changed("current", current) && current >= 0 && document.activeElement !== $("list")) scrollTo(current);
@@ -486,6 +549,8 @@ function begin() {
   });
   rowHeight = ROW_EM * parseFloat(getComputedStyle($("list")).fontSize);
 
+  makeHappened();
+  $("of-item").lastElementChild.addEventListener("click", () => showItem(null));
   $("play").addEventListener("click", () => setPlaying(!at.playing));
   $("before").addEventListener("click", () => chooseNext(-1));
   $("after").addEventListener("click", () => chooseNext(1));

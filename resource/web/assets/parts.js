@@ -159,13 +159,13 @@ function fit() {
   });
   const shares = lines.map((line) => {
     range.selectNodeContents(line);
-    return line.getBoundingClientRect().width / range.getBoundingClientRect().width;
+    return 0.99 * line.getBoundingClientRect().width / range.getBoundingClientRect().width;
   });
-  // Whole pixels are not exact enough, and letters do not shrink exactly.
+  // Whole pixels are not exact enough, and letters do not shrink exactly: hence 0.99.
   lines.forEach((line, place) => {
     const isTwo = line.classList.toggle("two", shares[place] < SMALLEST && line.closest(TWO_LINES) !== null);
     Object.assign(line.style, {
-      fontSize: shares[place] < 1 && !isTwo ? `${Math.max(SMALLEST, 0.99 * shares[place])}em` : "", textOverflow: ""});
+      fontSize: shares[place] < 0.99 && !isTwo ? `${Math.max(SMALLEST, shares[place])}em` : "", textOverflow: ""});
   });
   lines = [];
 }
@@ -258,7 +258,7 @@ export const ranksOf = ({ranks, notes}) => [...ranks, ...(notes.length ? [{note:
 
 // The columns of a standing, the one that decides at the end: without those in which nobody has anything. A screen in the
 // hall has space for few, and shows what decides.
-const MOST_COLUMNS = 4;
+const MOST_COLUMNS = 3;
 function columns({criteria, ranks}) {
   const found = criteria.map((name, place) => [name, place])
     .filter(([, place]) => place === 0 || ranks.some(({numbers}) => !["", "0", "–"].includes(numbers[place] || "")));

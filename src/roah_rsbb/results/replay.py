@@ -34,9 +34,11 @@ from roah_rsbb.results.runs import (
 )
 from roah_rsbb.scoring.book import BookState, RunBook, form_of
 from roah_rsbb.scoring.points import CountedSheet
+from roah_rsbb.scoring.timeline import run_timeline
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.sheets import scores_by_group
 from roah_rsbb.wording.texts import visible
+from roah_rsbb.wording.timeline import said_of, timeline
 from roah_rsbb.wording.times import date_time, offset_s
 
 # The kinds of entries of which the page shows the newest one, with their labels.
@@ -66,7 +68,7 @@ def replay_data(result: RunResult, moments: Sequence[RunMoment], in_utc: bool) -
     return {
         "title": visible(sheets.run_name(record.benchmark, record.team, record.round, record.run)),
         "facts": [
-            ["Zone", visible(record.zone)], ["Robots", visible(", ".join(record.robots))],
+            ["Zone", visible(record.zone)], *([["Robots", visible(", ".join(record.robots))]] if record.robots else []),
             ["Connected", date_time(record.opened_utc, in_utc)], ["Run", visible(record.identity)],
             *([["Clock", f"{clock}. All times on this page are as if it had not been"]] if clock else []),
         ],
@@ -76,6 +78,7 @@ def replay_data(result: RunResult, moments: Sequence[RunMoment], in_utc: bool) -
         "kinds": titles,
         "events": [[_ms(event.utc, begin), titles.index(title), visible(sheets.person(event.who)),
                     visible(event.robot), visible(event.text), int(event.bad)] for title, event in events],
+        "timeline": _timeline(record, in_utc),
         "latest": _latest([event for _, event in events]),
         "phase": _phases(record, known),
         "desc": _track(begin, ((m.utc, visible(str(run_state_of(m).get("desc", "")))) for m in known)),
@@ -132,6 +135,18 @@ def _latest(events: Sequence[SectionLine]) -> List[List[Any]]:
     order = list(LATEST)
     return [[LATEST[kind], visible(robot), indices]
             for (kind, robot), indices in sorted(found.items(), key=lambda item: (order.index(item[0][0]), item[0][1]))]
+
+
+def _timeline(record: RunRecord, in_utc: bool) -> List[Dict[str, Any]]:
+    """Return what happened in the run, the oldest first; a mark has the place of its item on the sheet."""
+    places = {item.key: place for place, item in enumerate(form_of(record).items)}
+    return [{
+        "at": _ms(item.utc_s, record.opened_utc), "kind": item.kind, "clock": item.clock, "item": places.get(
+            (item.group, item.desc)),
+        **{name: visible(text) for name, text in (
+            ("text", item.text), ("change", item.change), ("points", item.points), ("note", item.note),
+            ("who", ", ".join(filter(None, (item.who, item.role)))), ("said", said_of(item)))},
+    } for item in timeline(run_timeline(record), lambda utc: date_time(utc, in_utc))[::-1]]
 
 
 # -- times ------------------------------------------------------------------------------------------

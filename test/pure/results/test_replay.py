@@ -103,6 +103,18 @@ def test_everything_that_happened_is_in_the_list(played):
     assert len(task["robots"][0]["link"]) > 20
 
 
+def test_the_timeline_leads_from_an_item_to_its_marks(played):
+    _, reader = played
+    data, record = data_of(reader, 1)
+    kinds = [one["kind"] for one in data["timeline"]]
+    assert kinds[0] == "connect" and {"start", "mark", "disconnect"} <= set(kinds)
+    marks = [one for one in data["timeline"] if one["kind"] == "mark"]
+    assert [(one["at"], data["items"][one["item"]]) for one in marks] == [
+        (round((entry.utc - record.opened_utc) * 1000), [visible(entry.group), visible(entry.desc)])
+        for entry in record.history]
+    assert [one["at"] for one in data["timeline"]] == sorted(one["at"] for one in data["timeline"])
+
+
 def test_clocks_that_only_pass_are_not_repeated(played):
     _, reader = played
     data, record = data_of(reader, 1)

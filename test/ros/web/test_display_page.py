@@ -181,9 +181,9 @@ class TestDisplay(NeedsBrowser):
     def test_a_new_result_has_the_screen_for_a_moment(self) -> None:
         self.show(_runs(2), _lists())
         lists = _lists()
-        new = _line(3, last="stopped", look="stopped", points="4711", rank="2=", scores=[["Achievements", "4711"]])
+        new = _line(3, look="stopped", points="4711", rank="2=", scores=[["Achievements", "4711"]])
         lists["page.results"]["results"].insert(0, new)
-        was_shown = self.page.note("['TeaAtFive', '4711', 'Rank 2=', 'stopped'].every(one => "
+        was_shown = self.page.note("['TeaAtFive', '4711', 'Rank 2=', 'Achievements'].every(one => "
                                    "(document.querySelector('.result') || document.head).innerText.includes(one))")
         self.show(_runs(2), lists)
         self.page.wait(f"{was_shown} && document.querySelector('.result') === null", "it was shown")
@@ -204,10 +204,10 @@ class TestDisplay(NeedsBrowser):
         self.open(2 ** 31 - 1, "&show=standings")
         heads = "[...document.querySelectorAll('.list thead th')].slice(2).map(one => one.textContent)"
         names = ["Total", *(f"Task {number}" for number in range(1, 7))]
-        for filled, shown in ((1, ["Task 1", "Total"]), (3, ["Task 1", "Task 2", "Task 3", "Total"]), (4, ["Total"])):
+        for filled, shown in ((1, ["Task 1", "Total"]), (2, ["Task 1", "Task 2", "Total"]), (3, ["Total"])):
             ranks = [{"rank": "1", "team": team, "numbers": ["1290.5", *filled * ["645.25"], *["0"] * (6 - filled)]}
                      for team in TEAMS]
             standing = {"title": "Standing: Tasks", "criteria": names, "ranks": ranks, "notes": ["Final has no runs yet"]}
             self.show(_runs(2), _lists(), {"page.standings": {"standings": [standing]}})
-            self.page.screenshot(SHOTS / f"display_standing_{filled}.png")
-            self.assertEqual((self.page.get(heads), self.faults()), (shown, []))
+            self.page.wait(f"JSON.stringify({heads}) === '{json.dumps(shown, separators=(',', ':'))}'", "these columns")
+            self.assertEqual(self.faults(), [])
