@@ -213,7 +213,7 @@ const LOOKS = {
 };
 // The signs of what happened in the run, beside its words; a mark has that of what it gave.
 const SIGNS = {
-  note: "✎", stop: "■", end: "■", start: "▶", restart: "▶", continue: "▶", resume: "▶", pause: "⏸", phase: "»",
+  note: "✎", stop: "■", end: "■", start: "▶", restart: "▶", continue: "▶", resume: "▶", pause: "‖", phase: "»",
   sign_off: "✓", captain: "✓", outage: "⚠", proposal: "?",
 };
 const gives = ({ points, change }) => (points || change).startsWith("−") ? "penalty" : points || change ? "achievement" : "";
@@ -431,7 +431,7 @@ function seek(moment) {
 function setPlaying(playing) {
   if (playing && at.time >= data.length) at.time = 0;
   at.playing = playing;
-  $("play").textContent = playing ? "⏸ Pause" : "▶ Play";
+  $("play").textContent = playing ? "‖ Pause" : "▶ Play";
   $("play").setAttribute("aria-pressed", String(playing));
   followVideo(true);
   if (playing) {

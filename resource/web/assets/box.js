@@ -71,13 +71,19 @@ const Pane = ({name, more, children}) => html`
 const State = ({event}) => html`
   <span class="chip ${event.look}">${event.state}</span>${event.late && html` <span class="chip warning"><${Icon} name="late" /> ${event.late}</span>`}`;
 
+// A standing without the columns in which nobody has anything; the first one decides.
+function withValues(columns, rows) {
+  const places = columns.map((_, place) => place).filter((place) => place === 0 || rows.some((row) => !["", "0", "–"].includes(row[place + 2])));
+  return [places.map((place) => columns[place]), rows.map((row) => [...row.slice(0, 2), ...places.map((place) => row[place + 2])])];
+}
+
 function Standings({standings, texts}) {
   return html`
     <${Pane} name=${texts.standings}>
       ${standings.length === 0 && html`<p class="nothing">${texts.no_standings}</p>`}
-      ${standings.map(({title, columns, rows, notes}) => html`
+      ${standings.map(({title, columns, rows, notes}) => [title, notes, ...withValues(columns, rows)]).map(([title, notes, columns, rows]) => html`
         <div class="scrolled" tabindex="0" key=${title}><table class="table"><caption>${title}</caption>
-          <thead><tr><th></th><th scope="col">${texts.team}</th>${columns.map((column) => html`<th scope="col" class="number">${column}</th>`)}</tr></thead>
+          <thead><tr><th scope="col">#</th><th scope="col">${texts.team}</th>${columns.map((column) => html`<th scope="col" class="number">${column}</th>`)}</tr></thead>
           <tbody>${rows.map(([rank, team, ...numbers]) => html`
             <tr key=${team}><td>${rank}</td><td><b>${team}</b></td>${numbers.map((one) => html`<td class="number">${one || "–"}</td>`)}</tr>`)}
           </tbody></table></div>

@@ -50,6 +50,7 @@ export function show(Page, documents = DOCUMENTS, display = "") {
     draw();
   };
   const live = new Live("events", open(), changed);
+  document.fonts.addEventListener("loadingdone", draw);  // lines that fit in another typeface may not fit in ours
   let resized;
   window.addEventListener("resize", () => {
     draw();
@@ -157,16 +158,22 @@ function fit() {
     line.classList.remove("two");
     Object.assign(line.style, {fontSize: "", textOverflow: "clip"});  // the dots would count
   });
-  const shares = lines.map((line) => {
-    range.selectNodeContents(line);
-    return 0.99 * line.getBoundingClientRect().width / range.getBoundingClientRect().width;
-  });
-  // Whole pixels are not exact enough, and letters do not shrink exactly: hence 0.99.
-  lines.forEach((line, place) => {
-    const isTwo = line.classList.toggle("two", shares[place] < SMALLEST && line.closest(TWO_LINES) !== null);
-    Object.assign(line.style, {
-      fontSize: shares[place] < 0.99 && !isTwo ? `${Math.max(SMALLEST, shares[place])}em` : "", textOverflow: ""});
-  });
+  const sizes = lines.map(() => 1);
+  // Letters have whole pixels and do not shrink exactly: a line that is still too wide shrinks again.
+  for (let tries = 0; tries < 3; tries += 1) {
+    const shares = lines.map((line) => {
+      range.selectNodeContents(line);
+      return line.getBoundingClientRect().width / range.getBoundingClientRect().width;
+    });
+    lines.forEach((line, place) => {
+      if (shares[place] < 1 && !line.classList.contains("two")) {
+        sizes[place] *= 0.99 * shares[place];
+        const isTwo = line.classList.toggle("two", sizes[place] < SMALLEST && line.closest(TWO_LINES) !== null);
+        line.style.fontSize = isTwo ? "" : `${Math.max(SMALLEST, sizes[place])}em`;
+      }
+    });
+  }
+  lines.forEach(({style}) => Object.assign(style, {textOverflow: ""}));
   lines = [];
 }
 

@@ -889,9 +889,11 @@ function Page() {
   document.title = zone ? `${zone.zone} – ${texts.referee_page}` : texts.referee_page;
   if (session === null) {
     return html`
-      <h1 class="title">${texts.not_paired}</h1>
-      <p class="nothing">${texts.pair_how}</p>
-      <p><a class="button main" href=${address("/pair")}>${texts.pair_title}</a></p>`;
+      <section class="alone">
+        <h1>${texts.not_paired}</h1>
+        <p class="quiet">${texts.pair_how}</p>
+        <p><a class="button next" href=${address("/pair")}>${texts.pair_title}</a></p>
+      </section>`;
   }
   if (state.isEnded) {
     return html`<h1 class="title" role="status">${texts.box_ended}</h1><p class="nothing">${texts.box_ended_how}</p>`;

@@ -216,4 +216,4 @@ def page(title: str, *body: Child, scripts: Sequence[str] = (), style: str = "")
         tag("style", Markup(_STYLE + style)),
     )
     ends = (Markup(f"<script>{text}</script>") for text in scripts)
-    return "<!DOCTYPE html>\n" + tag("html", head, tag("body", *body, *ends), lang="en") + "\n"
+    return "<!DOCTYPE html>\n" + tag("html", head, tag("body", tag("main", *body), *ends), lang="en") + "\n"

@@ -57,6 +57,7 @@ table.u-legend { width: auto; } .u-legend td, .u-legend th { border: 0; min-widt
   nav { gap: 0 5mm; border-bottom: .3mm solid var(--line); } a { color: inherit; }
   nav > * { padding: 2mm 0 1.5mm; border-bottom: .8mm solid transparent; font-weight: bold; text-decoration: none;
     color: var(--text-quiet); } nav > :not(a) { border-color: var(--text); color: var(--text); } }
+@media screen and (max-width: 150mm) { .wide td { min-width: 20mm; } .wide td:last-child { min-width: 50mm; } }
 @media print { nav { display: none; } .wide { overflow: visible; } body { font-size: 8pt; }
   @page { size: A4 landscape; } }
 """
