@@ -84,7 +84,8 @@ def test_a_result_and_its_scores():
         end_reason="timeout", groups=(group("Good", 0, 1, 3), group("Empty", 0), group("Bad", 1, 0, 0)),
         module_scores=(ScoreValue("", "reached", "4", "", "Reached"),), points=None)
     (line,) = public.result_lines([found], NOW)
-    assert line[:5] == ("07:59", "Alpha", "Visitors", "timeout", (("Reached", "4"), ("Good", "4"), ("Bad", "0 (1 not attempted)")))
+    assert line[:4] == ("07:59", "Alpha", "Visitors", "timeout")
+    assert line.scores == (("Reached", "4"), ("Good", "4"), ("Bad", "0 (1 not attempted)"))
     assert (line.look, line.points, line.rank) == ("timeout", "", "")
     points = SheetPoints("-2.5", (GroupPoints("Good", "10"), GroupPoints("Bad", "-12.5")))
     standing = PublicStanding("Visitors", (), (PublicRank("1=", "Beta", ()), PublicRank("3", "Alpha", ())))

@@ -207,7 +207,8 @@ class TestDisplay(NeedsBrowser):
         for filled, shown in ((1, ["Task 1", "Total"]), (2, ["Task 1", "Task 2", "Total"]), (3, ["Total"])):
             ranks = [{"rank": "1", "team": team, "numbers": ["1290.5", *filled * ["645.25"], *["0"] * (6 - filled)]}
                      for team in ("Hibikino-Musashi@Home", *TEAMS)]
-            standing = {"title": "Standing: Tasks", "criteria": names, "ranks": ranks, "notes": [{"note": "Final has no runs yet", "team": ""}]}
+            standing = {"title": "Standing: Tasks", "criteria": names, "ranks": ranks,
+                        "notes": [{"note": "Final has no runs yet", "team": ""}]}
             self.show(_runs(2), _lists(), {"page.standings": {"standings": [standing]}})
             self.page.wait(f"JSON.stringify({heads}) === '{json.dumps(shown, separators=(',', ':'))}'", "these columns")
             self.assertEqual(self.faults(), [])
