@@ -360,8 +360,8 @@ def test_the_library_is_the_original_one():
 HOSTILE = f"=cmd()</script></title><svg onload=alert(1)>'\"`{EVIL}\u2028../../{'x' * 300}\n=cmd()"
 PLOTTED = {"items.html", "times.html", "link.html"}
 TAGS = {"html", "head", "meta", "title", "style", "script", "body", "nav", "b", "a", "h1", "h2", "h3", "p", "div",
-        "main", "span", "table", "thead", "tbody", "tr", "th", "td", "meter", "br", "wbr", "del", "svg", "rect", "line", "path",
-        "text", "circle"}
+        "span", "table", "thead", "tbody", "tr", "th", "td", "meter", "br", "wbr", "del", "svg", "rect", "line", "path",
+        "text", "circle", "main"}
 ATTRIBUTES = {"lang", "charset", "http-equiv", "content", "name", "href", "class", "id", "type", "min", "max", "value",
               "data-plot"}
 
