@@ -94,6 +94,7 @@ class Configuration:
         self.edits: Tuple[Mapping[str, Any], ...] = () if before is None else before.edits
         """Of the schedule, the newest last, as JSON: `Edit`."""
         self._unwritten = None if before is None else before.unwritten  # see `InForce`
+        self._edits_before = self.edits, self._unwritten  # of the last version, for `put_back`
         self.content = self._begin(before)
 
     def _begin(self, before: Optional[InForce]) -> Content:
@@ -184,7 +185,7 @@ class Configuration:
                 return NOT_BY_HAND(path=path)
             except OSError as error:
                 return NOT_WRITTEN(path=path, error=error.strerror)
-        self._unwritten, self.edits = None, tuple({**edit, "written": True} for edit in self.edits)
+        self._unwritten, self.edits = None, _all_written(self.edits)
         with contextlib.suppress(OSError):  # then it is written again
             self._write()
         return said
@@ -222,9 +223,10 @@ class Configuration:
         force.
         """
         needed = {self.version, *in_use}
-        before = self.version, self._versions, self.edits, self._unwritten
-        if edits is None:
-            self._unwritten = None
+        before = self.version, self._versions
+        self._edits_before = self.edits, self._unwritten
+        if edits is None:  # the file has what is in force, whatever it lacked
+            self._unwritten, self.edits = None, _all_written(self.edits)
         else:
             self.edits = tuple(edits[-MAX_EDITS:])
             if self._unwritten is None:
@@ -235,7 +237,8 @@ class Configuration:
         try:
             self._write()
         except OSError:
-            self.version, self._versions, self.edits, self._unwritten = before
+            self.version, self._versions = before
+            self.edits, self._unwritten = self._edits_before
             raise
         return self.version
 
@@ -249,6 +252,7 @@ class Configuration:
         """Return to an earlier version, because the last one could not be put into force. Raises OSError."""
         del self._versions[self.version]
         self.version = version
+        self.edits, self._unwritten = self._edits_before
         self._write()
 
     def earlier(self, numbers: Iterable[int]) -> Dict[int, Config]:
@@ -260,6 +264,10 @@ class Configuration:
     def _write(self) -> None:
         write_in_force(self._log_dir, InForce(
             self._launch, self.version, self._versions, self.edits, self._unwritten))
+
+
+def _all_written(edits: Sequence[Mapping[str, Any]]) -> Tuple[Mapping[str, Any], ...]:
+    return tuple({**edit, "written": True} for edit in edits)
 
 
 def changes_of(edit: Mapping[str, Any]) -> List[EventChange]:

@@ -152,6 +152,28 @@ def test_the_current_event_follows_and_a_run_keeps_its_own(place):
     assert home.run.phase is Phase.RUNNING and home.event.id == "hb"
 
 
+def test_an_edit_that_is_refused_at_the_last_moment_leaves_nothing(place, monkeypatch):
+    before, seen = place.in_force, place.look("shift", zone="Home", time="40")["seen"]
+    with monkeypatch.context() as patched:
+        def take(*arguments):
+            raise Refused(["a run was connected just now"])
+        patched.setattr(place.driver.box.reload, "take", take)
+        with pytest.raises(Refused, match="just now"):
+            place.edits.edit("shift", {"zone": "Home", "time": "40"}, seen, "Olga")
+    assert (place.edits.listed(), place.in_force, place.schedule.read_text("utf-8")) == ([], before, SCHEDULE)
+    assert place.start() == [] and place.in_force == place.written == before
+
+
+def test_a_reload_ends_what_waits_to_be_written(place):
+    by_hand = SCHEDULE.replace("14:30", "14:35")
+    place.schedule.write_text(by_hand, "utf-8")
+    place.do("move", event="hb", time="17:00")
+    assert place.reloads.reload(place.reloads.reload("", "Olga").digest, "Olga").applied
+    place.schedule.write_text(by_hand.replace("16:00:00", "18:00:00"), "utf-8")
+    assert "was changed by hand, too" in str(decoded([place.do("move", event="hb", time="17:30")["trouble"]])[0])
+    assert place.written["hb"] == place.in_force["hb"] and place.written["wb"] != place.in_force["wb"]
+
+
 class Killed(BaseException):
     """The box is killed."""
 
