@@ -426,7 +426,8 @@ def test_an_entry_after_a_time_that_was_left_out_is_later_than_those_before():
     """After a restart of the box the clock of a run may go back."""
     book = Book().at(8.95, "Finds an object", 3).at(5.983, "Finds an object", 0)
     assert (book.value("Finds an object"), book.total()) == (0, "0")
-    book = Book().at(8.95, "Finds an object", 3).incident(5.983, "restart").at(6.5, "Finds an object", 1)
+    book = Book().at(8.95, "Finds an object", added="3").incident(5.983, "restart")
+    book.at(6.5, "Finds an object", added="1")
     assert (book.value("Finds an object"), book.total()) == (1, "10")
     # An entry that is late does not make those late that follow in a run that was started again.
     assert Book().at(430, "Finds an object", added="1").at(20, "Finds an object", added="2").total() == "20"
