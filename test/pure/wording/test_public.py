@@ -97,4 +97,5 @@ def test_a_result_and_its_scores():
 def test_a_standing():
     ranks = (PublicRank("1=", "Alpha", ("5", "0.1 m")), PublicRank("3", "Beta", ("disqualified", "")))
     standing = PublicStanding("Visitors", ("Achievements", "Error (less is better)"), ranks, ("Gamma is not there",))
-    assert public.standings(PublicBox([run()], standings=[standing]).document) == (standing,)
+    found = public.standings(PublicBox([run()], standings=[standing]).document)
+    assert found == ((*standing[:3], (("Gamma is not there", ""),)),)
