@@ -55,9 +55,9 @@ _KINDS = {"box": " device referee"}
 _PARTS = ("tokens", "dark", "parts")
 _PUBLIC = (*_PARTS, "public")
 _STYLES: Dict[str, Tuple[str, ...]] = {
-    **dict.fromkeys(("index", "team", "pair", "displays", "codes"), _PUBLIC),
+    **dict.fromkeys(("index", "pair", "displays", "codes"), _PUBLIC), "team": (*_PUBLIC, "captain"),
     **dict.fromkeys(DISPLAYS, (*_PUBLIC, "display")),
-    "referee": (*_PARTS, "referee"), "box": (*_PARTS, "referee", "box"),
+    "referee": (*_PARTS, "referee", "captain"), "box": (*_PARTS, "referee", "captain", "box"),
 }
 # What is for a hall or a picture is always dark.
 _MEDIA = {"dark": ' media="(prefers-color-scheme: dark)"'}
