@@ -50,7 +50,8 @@ export function show(Page, documents = DOCUMENTS, display = "") {
     draw();
   };
   const live = new Live("events", open(), changed);
-  document.fonts.addEventListener("loadingdone", draw);  // lines that fit in another typeface may not fit in ours
+  // Lines that fit in another typeface may not fit in ours.
+  document.fonts.addEventListener("loadingdone", () => document.body.dataset.layout !== "list" && draw());
   let resized;
   window.addEventListener("resize", () => {
     draw();
