@@ -6308,8 +6308,8 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/book.py"/>
-        <source>the score sheet of run {run} was signed off by {who} at {time}: it is final. Take an objection to the technical committee</source>
-        <translation>der Wertungsbogen des Laufs {run} wurde von {who} um {time} abgeschlossen: Er ist endgültig. Wenden Sie sich mit einem Einspruch an das Technische Komitee</translation>
+        <source>the score sheet of run {run} was signed off by {who} at {time}: it is final. To correct it, reopen it in Results, with the reason</source>
+        <translation>der Wertungsbogen des Laufs {run} wurde von {who} um {time} abgeschlossen: Er ist endgültig. Zum Korrigieren unter Ergebnisse mit Grund wieder öffnen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/scoring/book.py"/>

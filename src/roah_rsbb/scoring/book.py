@@ -637,8 +637,8 @@ class FinishedRun:
         signed = self.record.sign_off
         if signed is not None:
             raise Refused([
-                say("the score sheet of run {run} was signed off by {who} at {time}: it is final. Take an objection "
-                    "to the technical committee")(
+                say("the score sheet of run {run} was signed off by {who} at {time}: it is final. To correct it, "
+                    "reopen it in Results, with the reason")(
                     run=self.record.identity, who=sheets.person(signed.who) or "somebody",
                     time=times.at_venue(signed.utc))
             ])
