@@ -208,7 +208,7 @@ _ENTRIES = (
 ENTRIES: Dict[str, Action] = {action.name: action for action in _ENTRIES}
 EVERY: Dict[str, Action] = {**ACTIONS, **ENTRIES}
 # What an organiser does to the schedule of the day: first shown, then done (`box/day_edits.py`).
-_ZONE, _AN_EVENT = OfSchedule("zone", say("Zone"), of="zone"), OfSchedule("event", say("Event"), of="event")
+_ZONE, _AN_EVENT = OfSchedule("zone", say("Zone"), of="zone"), OfSchedule("event", _EVENT, of="event")
 _OTHER_ZONE = OfSchedule("zone", say("To zone"), required=False, of="zone")
 _AT = TypedText("time", say("To time"), required=False)
 _WHY = TypedText("reason", _REASON, required=False)
