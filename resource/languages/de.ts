@@ -943,7 +943,7 @@
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>Made before the sign-off, arrived after it. Who accepts one signs the new sheet</source>
-        <translation>Vor dem Abzeichnen eingegeben, danach angekommen. Wer annimmt, zeichnet den neuen Bogen ab</translation>
+        <translation>Vor dem Abschluss eingegeben, danach angekommen. Wer annimmt, schließt den neuen Bogen ab</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -3173,7 +3173,7 @@
     <message>
         <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
         <source>Marks from before the sign-off to decide on</source>
-        <translation>Eingaben von vor dem Abzeichnen, über die zu entscheiden ist</translation>
+        <translation>Eingaben von vor dem Abschluss, über die zu entscheiden ist</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/whole_box.py"/>
