@@ -138,7 +138,7 @@ def test_only_a_replay_is_marked_as_one():
 
 
 def judgings(box, now):
-    return [judging._replace(record=judging.record._replace(elapsed_s=0.0)) for judging in box.judges.unsigned(now)]
+    return [judging._replace(record=judging.record._replace(elapsed_s=0.0)) for judging in box.judges.waiting(now)]
 
 
 class JudgedCompetition(JournaledDriver):

@@ -402,13 +402,16 @@ class Ledger:
             self._check_next(zone, believed)
 
     def _check_next(self, zone, believed):
-        """After a run that is completed, the zone goes to the next event that still needs a run."""
+        """After a run that is completed, the zone goes to the next event that still needs a run, unless its team has
+        another attempt at this one (docs/referee.md)."""
         events = list(zone.planned)
         at, place = events.index(believed.event), events.index(zone.event)
         had_run = [any(run.event is event and run.is_left for run in self.runs.values())
                    or any(act.event is event for act in self.absent) for event in events]
         is_right = place == at
-        if believed.reason in TO_THE_NEXT:
+        made = sum(run.event is believed.event and run.went > 0.0 and run.is_left for run in self.runs.values())
+        may_repeat = believed.reason is EndReason.COMPLETED and believed.event.benchmark.rules.attempts > made
+        if believed.reason in TO_THE_NEXT and not may_repeat:
             later = range(at + 1, place if place > at else len(events))
             is_right = place >= at and all(had_run[skipped] for skipped in later)
         if not is_right:
