@@ -68,7 +68,7 @@ class TestResults(ResultsCase):
         self.box.act("mark", ZONE, identity, "Anna", group=BUMPS[0], desc=BUMPS[1], value=2, note="the vase")
         wait_until(lambda: self.links(port), "the first second of the link record")
         shown = self.results("show", identity, "--utc")
-        for expected in ("running", "yes  Detects the door", "2  Bumps into", "; the vase", 
+        for expected in ("running", "yes  Detects the door", "2  Bumps into", "; the vase",
                          "Anna     Penalized Behaviors: Bumps into the furniture",
                          "0 → 2", "notification: <b>at the door</b>", "Box: WAITING_RESULT", "Robot: EXECUTING",
                          "start", f"robot's address: {host_of('Alpha')}"):
