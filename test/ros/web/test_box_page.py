@@ -323,11 +323,14 @@ class TestBoxPage(NeedsBrowser):
         self.box.wait(lambda document: document.zones[HOME].items[0].value == 1, "the first item is a yes")
         page.command("Input.dispatchKeyEvent", type="keyDown", key="!", code="Digit1", modifiers=8)
         self.box.wait(lambda document: document.zones[HOME].items[0].value == 0, "and a no")
+        asks = page.note("document.querySelector('.stopsaid').textContent.includes('Press again: Esc')")
         page.key("Escape")
-        page.wait("document.querySelector('.stopsaid').textContent.includes('Press again: Esc')", "it asks")
+        page.wait(asks, "it asks")
         self.assertEqual(self.box.document.zones[HOME].phase, "running")
-        page.key("Escape")
-        self.box.wait(lambda document: document.zones[HOME].phase == "ended", "it is stopped")
+        while self.box.document.zones[HOME].phase == "running":  # a busy machine may be too late: it is asked again
+            page.key("Escape")
+            page.get("new Promise(done => setTimeout(done, 300))")
+        self.assertEqual(self.box.document.zones[HOME].phase, "ended")
         self.assertEqual(self.box.document.zones[HOME].identity, identity)
 
     def test_all_parts_are_accessible_and_fit_in_all_sizes(self) -> None:

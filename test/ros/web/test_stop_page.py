@@ -853,20 +853,33 @@ class TestTouches(PhoneCase):
     def test_a_second_tap_on_connect_starts_nothing(self) -> None:
         for size in TWO_SIZES:
             with self.subTest(size=size):
-                gateway = self.gateway()
-                page = self.phone(gateway, size)
-                page.get("document.querySelector('button[data-command=connect]').scrollIntoView({block: 'center'})")
-                page.wait("document.querySelector('[data-changed], [data-moved]') === null", "all is still")
-                left, top, width, height = page.box("button[data-command=connect]")
-                page.touch(left + width / 2, top + height / 2)
-                gateway.wait_given("connect", "Home A")
-                page.wait("document.querySelector('.run.connected') !== null", "it is connected")
-                for _ in range(2):
-                    page.get("new Promise(done => setTimeout(done, 700))")
-                    page.touch(left + width / 2, top + height / 2)
-                page.get("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
-                page.get("fetch('/api/v1/session').then(answer => answer.text())")  # comes after what the touches sent
-                self.assertEqual([given[0] for given in gateway.given], ["connect"])
+                while not self.second_taps(size):
+                    pass
+
+    def second_taps(self, size: Tuple[int, int]) -> bool:
+        """Whether the taps reached the page within 1.4 s of one another, as the fast ones of a person do: then they
+        must have started nothing. On a busy machine they are later."""
+        gateway = self.gateway()
+        page = self.phone(gateway, size)
+        page.get("document.querySelector('button[data-command=connect]').scrollIntoView({block: 'center'})")
+        page.wait("document.querySelector('[data-changed], [data-moved]') === null", "all is still")
+        left, top, width, height = page.box("button[data-command=connect]")
+        page.touch(left + width / 2, top + height / 2)
+        gateway.wait_given("connect", "Home A")
+        page.wait("document.querySelector('.run.connected') !== null && ((window.tapped = [performance.now()]), "
+                  "addEventListener('pointerdown', () => tapped.push(performance.now()), true), true)",
+                  "it is connected")
+        for _ in range(2):
+            page.get("new Promise(done => setTimeout(done, 700))")
+            page.touch(left + width / 2, top + height / 2)
+        page.get("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        page.get("fetch('/api/v1/session').then(answer => answer.text())")  # comes after what the touches sent
+        times, given = page.get("tapped"), [given[0] for given in gateway.given]
+        page.close()
+        is_fast = len(times) == 3 and all(after - before < 1400 for before, after in zip(times, times[1:]))
+        if is_fast:
+            self.assertEqual(given, ["connect"])
+        return is_fast
 
     def test_nothing_moves_during_a_run(self) -> None:
         for size, language in itertools.product(SIZES, ("en", LONG)) if IS_ALL else zip(TWO_SIZES, (LONG, "en")):
