@@ -1,7 +1,7 @@
 // The parts of the page of the whole box (docs/web.md, "The whole box"). Each is drawn, and its document sent, only while
 // it is open. STOP is in stop.js.
 
-import {Icon, address, html, useEffect, useRef, useState} from "/assets/parts.js";
+import {Icon, address, columnsWithValues, html, useEffect, useRef, useState} from "/assets/parts.js";
 import {reasonsText, roleText} from "/assets/device.js";
 import {send} from "/assets/commands.js";
 import {Twice} from "/assets/buttons.js";
@@ -71,9 +71,9 @@ const Pane = ({name, more, children}) => html`
 const State = ({event}) => html`
   <span class="chip ${event.look}">${event.state}</span>${event.late && html` <span class="chip warning"><${Icon} name="late" /> ${event.late}</span>`}`;
 
-// A standing without the columns in which nobody has anything; the first one decides.
+// A standing without the columns in which nobody has anything.
 function withValues(columns, rows) {
-  const places = columns.map((_, place) => place).filter((place) => place === 0 || rows.some((row) => !["", "0", "–"].includes(row[place + 2])));
+  const places = columnsWithValues(columns, rows.map((row) => row.slice(2)));
   return [places.map((place) => columns[place]), rows.map((row) => [...row.slice(0, 2), ...places.map((place) => row[place + 2])])];
 }
 

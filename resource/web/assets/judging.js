@@ -1,6 +1,6 @@
 // Several judges of a run: the own sheet of a judge, and the settlement by the head referee (docs/web.md, "Judges").
 
-import {html, useEffect, useRef, useState} from "/assets/parts.js";
+import {html, secondsOf, useEffect, useRef, useState} from "/assets/parts.js";
 import {Twice} from "/assets/buttons.js";
 import {send} from "/assets/commands.js";
 import {Sheet, keypad} from "/assets/sheet.js";
@@ -181,9 +181,6 @@ function Objections({run, objections, give, texts, isSigned}) {
 
 // The page that plays a run again, from this second of its clock on.
 export const replayAt = (identity, second) => `/replay/${encodeURIComponent(identity)}${second ? `#${second}` : ""}`;
-
-// A clock such as 2:41 in seconds; 0: none.
-export const secondsOf = (text) => text.split(":").reduce((all, part) => 60 * all + (Number.parseInt(part, 10) || 0), 0);
 
 export function Objecting({run, give, texts}) {
   const [by, setBy] = useState("");

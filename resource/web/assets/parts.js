@@ -264,12 +264,17 @@ export function Line({line, scores = line.scores, isMore = false}) {
 // The rows of a standing: its teams, then what a reader must know of it.
 export const ranksOf = ({ranks, notes}) => [...ranks, ...(notes.length ? [{note: `* ${notes.map(({note}) => note).join(" · ")}`}] : [])];
 
-// The columns of a standing, the one that decides at the end: without those in which nobody has anything. A screen in the
-// hall has space for few, and shows what decides.
+// A clock such as 2:41 in seconds; 0: none.
+export const secondsOf = (text) => text.split(":").reduce((all, part) => 60 * all + (Number.parseInt(part, 10) || 0), 0);
+
+// The places of the columns of a standing: without those in which nobody has anything. The first one decides, and stays.
+export const columnsWithValues = (names, rows) => [...names.keys()]
+  .filter((place) => place === 0 || rows.some((numbers) => !["", "0", "–"].includes(numbers[place] || "")));
+
+// The columns of a standing, the one that decides at the end. A screen in the hall has space for few, and shows what decides.
 const MOST_COLUMNS = 3;
 function columns({criteria, ranks}) {
-  const found = criteria.map((name, place) => [name, place])
-    .filter(([, place]) => place === 0 || ranks.some(({numbers}) => !["", "0", "–"].includes(numbers[place] || "")));
+  const found = columnsWithValues(criteria, ranks.map(({numbers}) => numbers)).map((place) => [criteria[place], place]);
   const most = document.body.dataset.layout === "board" ? MOST_COLUMNS : criteria.length;
   return found.length > most ? found.slice(0, 1) : [...found.slice(1), ...found.slice(0, 1)];
 }

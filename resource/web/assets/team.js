@@ -1,6 +1,6 @@
 // What is public about a team. Its name is the end of the address.
 
-import {Line, Standing, TeamMark, Trouble, Zone, html, parameters, show, troubleText, useEffect, useState} from "/assets/parts.js";
+import {Line, Standing, TeamMark, Trouble, Zone, html, parameters, secondsOf, show, troubleText, useEffect, useState} from "/assets/parts.js";
 import {Captain, Facts, itemLines} from "/assets/captain.js";
 import {ask, reasonsText} from "/assets/device.js";
 
@@ -90,9 +90,8 @@ function Protests({name, found, load, texts, words}) {
   const send = async (event) => {
     event.preventDefault();
     const form = event.target, entered = new FormData(form);
-    const second = entered.get("at").split(":").reduce((all, part) => 60 * all + (Number.parseInt(part, 10) || 0), 0);
     const answer = await ask("POST", `teams/${encodeURIComponent(name)}/protest`, {
-      identity: entered.get("run"), text: entered.get("text"), second, language: parameters.get("language") || words.language});
+      identity: entered.get("run"), text: entered.get("text"), second: secondsOf(entered.get("at")), language: parameters.get("language") || words.language});
     setTrouble(answer.status === 200 ? "" : reasonsText(answer, texts));
     if (answer.status === 200) {
       form.reset();

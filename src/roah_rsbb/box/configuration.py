@@ -9,7 +9,6 @@ Passwords are kept nowhere but in their file, so each start of the core reads th
 import contextlib
 import hashlib
 import os
-import stat
 import threading
 from dataclasses import replace
 from typing import (
@@ -201,8 +200,7 @@ class Configuration:
         if _read([path]).texts[0] != before.texts.texts[_SCHEDULE]:
             return f"{path}: the ids of the events were not written: the file was changed just now. Reload again"
         try:
-            path = os.path.realpath(path)  # a link stays one
-            durable.write_file(path, text.encode("utf-8"), stat.S_IMODE(os.stat(path).st_mode))
+            durable.replace_keeping(os.path.realpath(path), text.encode("utf-8"), 0)  # a link stays one
         except OSError as error:
             return (f"{path}: the ids of the events cannot be written ({error.strerror}). Make the file writable and "
                     "reload again, or an event that is changed in several ways may be taken for another one")

@@ -10,6 +10,7 @@ edits that are kept are undone by the changes that they have.
 import contextlib
 import hashlib
 import json
+from itertools import starmap
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Sequence
 
 from roah_rsbb.box import calls
@@ -169,7 +170,7 @@ class DayEdits:
                 raise Refused([NOT_KEPT(number=values["number"])])
             slots = before.slots
             if not edit["changes"]:
-                left = [run for run in map(_run_of, edit["runs"]) if run.event in slots]
+                left = [run for run in starmap(WithdrawnRun, edit["runs"]) if run.event in slots]
                 return _Planned([_words(COMES_BACK, slots[run.event], before) for run in left], [], [], edit["number"],
                                 left)
             changes = day.undone(changes_of(edit))
@@ -181,10 +182,6 @@ class DayEdits:
 
 def _words(template: Template, slot: PlannedSlot, today: Day) -> Reason:
     return template(event=slot.name, time=day.shown(slot.scheduled, today.today), zone=slot.zone)
-
-
-def _run_of(found: Sequence[str]) -> WithdrawnRun:
-    return WithdrawnRun(*found)
 
 
 def _of_team(before: Day, values: Mapping[str, Any]) -> List[str]:

@@ -45,6 +45,7 @@ from roah_rsbb.model.messages import Beacon, BenchmarkingRobot, DevicesState, Ta
 from roah_rsbb.model.reason import cut_note, joined, say
 from roah_rsbb.model.records import NOBODY, NOT_RUN, By, EndReason, Phase, RunRecord
 from roah_rsbb.protocol import WireTime
+from roah_rsbb.rulebook.benchmarks import ScheduledEvent
 from roah_rsbb.rulebook.registry import TABLET, BenchmarkKind
 from roah_rsbb.scoring.book import FinishedRuns
 from roah_rsbb.wording import times
@@ -137,13 +138,17 @@ class Connections:
             self._open_run(now, zone, robot)
 
     def open_sheet(self, now: Now, zone: Zone) -> HandRun:
-        """Begin a run without a robot in a zone. It takes the next port as its number, and opens no channel."""
-        self._last_port += 1
-        self._outbox.emit(effects.PortTaken(self._last_port))
+        """Begin a run without a robot in a zone."""
         zone.version = self.version
-        zone.run = run = HandRun(now, zone.name, zone.event, self._context(zone.name), self._last_port)
+        zone.run = run = self._by_hand(now, zone, zone.event)
         run.open(now)
         return run
+
+    def _by_hand(self, now: Now, zone: Zone, event: ScheduledEvent) -> HandRun:
+        """Make a run without a robot. It takes the next port as its number, and opens no channel."""
+        self._last_port += 1
+        self._outbox.emit(effects.PortTaken(self._last_port))
+        return HandRun(now, zone.name, event, self._context(zone.name), self._last_port)
 
     def leave(self, now: Now, zone: Zone, by: By = NOBODY) -> None:
         """Disconnect the run in a zone."""
@@ -162,9 +167,7 @@ class Connections:
             run.give_up(now, EndReason.WITHDRAWN, by)
             self.leave(now, zone, by)
             return run.identity
-        self._last_port += 1
-        self._outbox.emit(effects.PortTaken(self._last_port))
-        away = HandRun(now, zone.name, zone.events[place], self._context(zone.name), self._last_port)
+        away = self._by_hand(now, zone, zone.events[place])
         away.open(now)
         away.give_up(now, EndReason.WITHDRAWN, by)
         away.close(now, by)

@@ -94,8 +94,11 @@ class Day(NamedTuple):
 
 def slots(zones: Iterable[ZonePlan]) -> Slots:
     """Return the events of a schedule."""
-    return {event.id: PlannedSlot(zone.name, event.benchmark.code, event.team, event.round, event.run, event.scheduled)
-            for zone in zones for event in zone.events}
+    return {event.id: _slot(zone.name, event) for zone in zones for event in zone.events}
+
+
+def _slot(zone: str, event: ScheduledEvent) -> PlannedSlot:
+    return PlannedSlot(zone, event.benchmark.code, event.team, event.round, event.run, event.scheduled)
 
 
 def applied(found: Slots, changes: Iterable[EventChange]) -> Slots:
@@ -293,7 +296,7 @@ def late_team(
     interval = {zone.name: interval_s(zone.events) for zone in zones}
     ends: Dict[Tuple[str, str], float] = {}
     free: Dict[str, float] = {}  # for the late team
-    planned = [PlannedSlot(zone.name, *_turn(event)) for zone in zones for event in zone.events]
+    planned = [_slot(zone.name, event) for zone in zones for event in zone.events]
     for slot in sorted(planned, key=lambda slot: slot.scheduled):
         day, end = day_of(slot.scheduled), slot.scheduled + interval[slot.zone]
         ends[slot.zone, day] = end
@@ -308,10 +311,6 @@ def late_team(
         ends[place] = free[day] = begins + interval[zone]
         found.append(PlannedSlot(zone, code, team, number, 1, begins))
     return found
-
-
-def _turn(event: ScheduledEvent) -> Tuple[str, str, int, int, float]:
-    return event.benchmark.code, event.team, event.round, event.run, event.scheduled
 
 
 # -- effects in words -------------------------------------------------------------------------------
@@ -397,15 +396,11 @@ def warnings(day: Day, after: Sequence[ZonePlan], changes: Iterable[EventChange]
 
 
 def _clash_words(clash: Clash, today: str) -> Reason:
-    (_, first), (_, second) = clash.first, clash.second
+    first, second = _slot(*clash.first), _slot(*clash.second)
     when = {"time": shown(first.scheduled, today), "then": shown(second.scheduled, today)}
     if clash.zone:
-        return CROWDED(zone=clash.zone, event=_name(first), other=_name(second), **when)
-    codes = {"event": first.benchmark.code, "other": second.benchmark.code}
+        return CROWDED(zone=clash.zone, event=first.name, other=second.name, **when)
+    codes = {"event": first.benchmark, "other": second.benchmark}
     if clash.gap_s < 0:
         return AT_ONCE(team=clash.team, **codes, **when)
     return SHORT(team=clash.team, minutes=round(LEAST_GAP_S / MINUTE_S), **codes, **when)
-
-
-def _name(event: ScheduledEvent) -> Reason:
-    return _RUN(code=event.benchmark.code, team=event.team)

@@ -617,8 +617,7 @@ class Desk(Numbered):
 
     def protests(self, team: str, language: str) -> Dict[str, List[Data]]:
         """Return the runs to whose results a team may object now, and what became of its objections."""
-        document, utc_s = self.box.document, self.box.now().utc
-        runs = [] if document is None else [run for run in document.runs() if run.team == team]
+        runs, utc_s = _of_team(self.box.document, team), self.box.now().utc
         with self._store.speaking(language):
             return {
                 "runs": [{"identity": run.identity, "zone": run.zone, "title": _timed_name(run, _MOMENTS, utc_s),
