@@ -107,10 +107,11 @@ class TestPages(NeedsBrowser, BoxCase):
         page.command("Network.setBlockedURLs", urls=[])
         wait_until(lambda: page.is_now(f"{TEXT}.includes('Public display')"), "it is loaded again")
         page.get("fetch('/').then(answer => answer.text()).then(text => "
-                 "document.querySelector('#page').replaceChildren("
+                 "document.body.append("  # not in `#page`, which is drawn again
                  "new DOMParser().parseFromString(text, 'text/html').querySelector('.first'))), 0")
-        said = "getComputedStyle(document.querySelector('.first .late'))"
-        page.wait("document.querySelector('.first .late').textContent.includes('does not answer yet')",
+        late = "document.querySelector('.first .late')"
+        said = f"getComputedStyle({late})"
+        page.wait(f"{late}.textContent.includes('does not answer yet')",
                   "a page that hears nothing says why")
         self.assertEqual(page.get(f"{said}.visibility"), "hidden", "but not at once")
         page.wait(f"{said}.visibility === 'visible'", "after some seconds")

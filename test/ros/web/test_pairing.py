@@ -11,6 +11,7 @@ from support.box_client import Refusal
 from support.browser import NeedsBrowser, Page
 from support.gateway import URL, ask, wait_served
 from support.referee_program import called
+from support.waiting import wait_until
 
 SHOTS = pathlib.Path(__file__).resolve().parents[3] / "build" / "screenshots"
 ZONE = "Room"
@@ -93,8 +94,7 @@ class TestPairing(NeedsBrowser, BoxCase):
                   "field.value = `my ${name}`; field.dispatchEvent(new Event('input', {bubbles: true})); })")
         wrong.wait(f"{TEXT}.includes('Paired: Referee in')", "it is complete")
         wrong.get("document.querySelector('form button').scrollIntoView()")
-        self.assertTrue(wrong.tap("form button"))
-        wrong.wait(f"{TEXT}.includes('Too many wrong codes')", "the page says so")
+        wait_until(lambda: self.is_refused_after_guesses(wrong), "the page says that there were too many")
         self.assertEqual(wrong.get("['code', 'person', 'device'].map(name => document.getElementById(name).value)"),
                          ["AAAA-AAAA", "my person", "my device"], "nothing needs to be typed again")
         self.assertIn("was used", page.get(
@@ -108,6 +108,15 @@ class TestPairing(NeedsBrowser, BoxCase):
         self.assertEqual(called("devices", "--revoke", listed["id"]).returncode, 0)
         page.wait(f"{TEXT}.includes('This device is not paired')", "the phone says so")
         self.assertEqual(devices(), [])
+
+    def is_refused_after_guesses(self, page: Page) -> bool:
+        """Whether a code that is sent right after somebody's guesses is one too many: on a busy machine it may come
+        so late that a guess is allowed again."""
+        while pair_with("AAAA-AAAA") != 429:
+            pass
+        self.assertTrue(page.tap("form button"))
+        page.wait(f"{TEXT}.includes('Too many wrong codes') || {TEXT}.includes('This code is wrong')", "it is answered")
+        return page.is_now(f"{TEXT}.includes('Too many wrong codes')")
 
     def test_a_referees_window_leads_to_a_part_of_the_box(self) -> None:
         def page(size: Tuple[int, int]) -> Page:
