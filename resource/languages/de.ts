@@ -2591,6 +2591,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/stop.py"/>
+        <source>STOP {zone}: the box has it …</source>
+        <translation>STOPP {zone}: Die Box hat ihn …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/stop.py"/>
         <source>sent …</source>
         <translation>gesendet …</translation>
     </message>

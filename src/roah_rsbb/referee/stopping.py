@@ -125,7 +125,9 @@ class ZoneStop:
         after = self.after
         where = way(now_s - self.since_s, self.has_answer, after)
         robots = () if after is None or where in DONE else after.not_stopped
-        return StopLine(self.zone, where.value, way_text(where, self.zone), robots,
+        known = after or self.before
+        text = way_text(where, self.zone, known is not None and not known.by_hand)
+        return StopLine(self.zone, where.value, text, robots,
                         self.trouble if after is None and where in LOST else self.unsaved)
 
     def status(self) -> Exit:

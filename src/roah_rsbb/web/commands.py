@@ -230,6 +230,8 @@ async def carried_out(
             return 504, {"reasons": reasons or [tr(device.NO_ANSWER)]}
         if reasons:
             return 409 if outcome.is_confirmed else 202, {"reasons": reasons}
+        if command.name == MARK:
+            server.sessions.marked(server.utc(), session.id)
         return 200, _shown(command, outcome.result, server.desk.box)
 
 

@@ -46,6 +46,8 @@ MAX_UNSIGNED = 50
 MAX_TEAM_RUNS = 20
 # Items of a timeline. The sheet of the run has all.
 MAX_TIMELINE = 100
+# A lost connection counts as heard for so long, until it is noticed (`web.serving.STUCK_S`).
+NOTICED_S = 20.0
 
 
 class Absent(NamedTuple):
@@ -53,6 +55,7 @@ class Absent(NamedTuple):
 
     name: str  # who has it, and the role
     seen_utc: float  # UTC seconds: until then it was heard
+    marked_utc: float = 0.0  # when its last mark came; 0: none
 
 
 def zone_page(zone: ZoneSeen, document: Document, utc_s: float, absent: Sequence[Absent] = ()) -> Data:
@@ -216,9 +219,9 @@ def _unsigned_run(run: RunLine, moments: Moments, utc_s: float, absent: Sequence
             "end": with_counting(sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason), run.counts),
             "score": tr_said(run.score),
             # Before the sign-off: on these devices, marks of the run may wait. Whoever was heard after the run was left
-            # had a link then, over which all marks of the run came.
-            "unheard": [one.name for one in absent
-                        if run.opened_utc_s <= one.seen_utc < (run.closed_utc_s or math.inf)]}
+            # and after their last mark had a link then, over which all marks came.
+            "unheard": [one.name for one in absent if run.opened_utc_s <= one.seen_utc
+                        < max(run.closed_utc_s or math.inf, one.marked_utc) + NOTICED_S]}
 
 
 def run_name(run: RunLine) -> str:

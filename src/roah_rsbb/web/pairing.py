@@ -62,6 +62,7 @@ class DeviceSession(NamedTuple):
     device: str
     paired_utc: float
     seen_utc: float = 0.0  # 0: never
+    marked_utc: float = 0.0  # when its last mark came; 0: none since the start of the gateway
     is_encrypted: bool = False  # whether it is valid on encrypted pages, and on no others
 
     @property
@@ -201,6 +202,11 @@ class Sessions:
             return None
         session = self._sessions[hashed] = session._replace(seen_utc=utc)
         return session
+
+    def marked(self, utc: float, session_id: str) -> None:
+        """Note that a mark of a device came."""
+        self._sessions = {hashed: one._replace(marked_utc=utc) if one.id == session_id else one
+                          for hashed, one in self._sessions.items()}
 
     def revoke(self, session_id: str) -> List[DeviceSession]:
         """End the pairing of a device; empty: of all. Returns which were ended. If that cannot be saved, they are valid

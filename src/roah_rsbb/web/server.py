@@ -265,7 +265,7 @@ class WebServer:
     def _absent(self, zone: str) -> List[Absent]:
         """Return the devices that may mark in a zone and are not connected."""
         connected = self.connected()
-        return [Absent(f"{one.person}, {role_word(one.grant.role)}", one.seen_utc)
+        return [Absent(f"{one.person}, {role_word(one.grant.role)}", one.seen_utc, one.marked_utc)
                 for one in self.sessions.listed(self.utc())
                 if one.id not in connected and one.grant.allows(zone) and one.grant.role in EVERY[MARK].roles]
 

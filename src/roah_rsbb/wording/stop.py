@@ -29,6 +29,8 @@ TEXTS = {
     Way.LOST_BOX: tr_later("STOP {zone}: NOT DELIVERED. Stop the robot by hand. Trying again …"),
     Way.LOST_ROBOT: tr_later("STOP {zone}: NO ANSWER FROM THE ROBOT. Stop it by hand. Trying again …"),
 }
+# The same, of a run that has no robot, or of which nothing is known yet.
+BOX_HAS_IT = tr_later("STOP {zone}: the box has it …")
 # The same in few words, for places that have the name of the zone.
 SHORT = {
     Way.SENT: tr_later("sent …"),
@@ -70,6 +72,6 @@ def leaving(zone: ZoneSeen) -> str:
     return tr(LEAVING, robots=", ".join(zone.not_stopped))
 
 
-def way_text(where: Way, zone: str) -> str:
-    """Return the text for the referee."""
-    return tr(TEXTS[where], zone=zone)
+def way_text(where: Way, zone: str, has_robot: bool = True) -> str:
+    """Return the text for the referee. `has_robot`: the run is known to have one."""
+    return tr(TEXTS[where] if has_robot or where is not Way.AT_BOX else BOX_HAS_IT, zone=zone)

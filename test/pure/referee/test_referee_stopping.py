@@ -151,6 +151,13 @@ def test_how_far_it_came(one, passed_s, expected, status):
     assert one.status() is status
 
 
+@pytest.mark.parametrize("before, waits", [
+    (_running("A"), True), (_running("A", by_hand=True), False), (None, False)])
+def test_it_waits_for_a_robot_only_if_the_run_has_one(before, waits):
+    text = _followed(before=before, answered_s=100.1).line(100.5).text
+    assert ("Waiting for the robot" in text) is waits and "the box has it" in text
+
+
 def test_robots_that_move_are_named_until_they_stop():
     one = _followed(_running("A", **ENDED)._replace(not_stopped=("r1", "r2")), answered_s=100.1)
     assert one.line(101.0).not_stopped == ("r1", "r2")

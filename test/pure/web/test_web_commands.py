@@ -131,6 +131,14 @@ class Served(ServedPages):
         return self.ask(f"commands/{name}", body, token=token, **headers)
 
 
+def test_the_last_mark_of_a_device_is_known(served):
+    served.outcome = Outcome(("No run",))
+    for marks in (False, True):
+        served.send("mark", body("mark"), served.token())
+        assert [one.marked_utc > 0.0 for one in served.sessions.listed(served.server.utc())][-1] is marks
+        served.outcome = Outcome()
+
+
 def test_who_acts_is_sent_changes_before_spectators(served, monkeypatch):
     served.opened("events")
     served.opened("device", served.token())

@@ -12,7 +12,7 @@ from roah_rsbb.core.actions.runs import SIGNED_OFF
 from roah_rsbb.model.results import Judging, RunLine
 from roah_rsbb.model.zone import Count, RunClock, SheetItem
 from roah_rsbb.web import device_documents
-from roah_rsbb.web.device_documents import MAX_UNSIGNED, NO_STOP, STOP, Absent, Desk
+from roah_rsbb.web.device_documents import MAX_UNSIGNED, NO_STOP, NOTICED_S, STOP, Absent, Desk
 from roah_rsbb.web.public_documents import Store
 from roah_rsbb.wording.language import in_language
 
@@ -198,14 +198,17 @@ def test_score_sheets_that_wait_for_a_signature(desk):
 
 
 def test_before_the_sign_off_devices_are_named_on_which_marks_may_wait():
+    later = NOW + 60.0 + NOTICED_S
     absent = [Absent("Anna, Assistant", NOW + 1.0), Absent("Ben, Judge", NOW - 1.0),
-              Absent("heard after the run was left", NOW + 60.0)]
+              Absent("heard after the run was left", later),
+              Absent("Cleo, Assistant", later + NOTICED_S, later + 1.0),  # marked then, and not heard since
+              Absent("heard after the last mark", later + NOTICED_S, later)]
     desk = Desk(Store(ShownBox(zone_of()), {}), tuple, lambda zone: absent if zone == "Home" else [])
     desk.show([("en", "Home")])
     desk.box.show(zone_of(), results=by_identity(
         closed_run("a", closed=NOW + 60.0), closed_run("b", signed=NOW)._replace(proposals=2)))
     desk.look()
-    assert data(desk)["unsigned"][0]["unheard"] == ["Anna, Assistant"]
+    assert data(desk)["unsigned"][0]["unheard"] == ["Anna, Assistant", "Cleo, Assistant"]
     assert [(run["identity"], run["number"]) for run in data(desk)["proposed"]] == [("b", 2)]
     absent.clear()
     desk.look()
