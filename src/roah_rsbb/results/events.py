@@ -1,7 +1,7 @@
 """What happened in a run: the journal's entries as lines of text, grouped by subject, and the goals of the robots."""
 
 import json
-from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.journal.reader import JournalEntry
 from roah_rsbb.journal.records import Kind
@@ -179,13 +179,19 @@ def _score(memory: _Memory, entry: JournalEntry) -> str:
     return ": ".join(value_text(part) for part in (group, item, *values))
 
 
-def _goal_parts(value: object) -> Iterator[str]:
-    """Name the parts of a goal (`core/modules.py`) that are set."""
+def _goal_value(value: object) -> Optional[Dict[str, Any]]:
+    """Return a goal as the journal has it, as JSON or as its text; None: it is something else."""
     try:
         goal = json.loads(value) if isinstance(value, str) else value
     except ValueError:
-        goal = None
-    if not isinstance(goal, dict):
+        return None
+    return goal if isinstance(goal, dict) else None
+
+
+def _goal_parts(value: object) -> Iterator[str]:
+    """Name the parts of a goal (`core/modules.py`) that are set."""
+    goal = _goal_value(value)
+    if goal is None:
         yield value_text(value)
         return
     if goal.get("text"):
@@ -277,7 +283,7 @@ def goals(result: RunResult) -> List[SentGoal]:
         if entry.kind == run_log.GOAL:
             _end(found, begun, current.get(entry.port), entry)  # the next goal ends the one before
             current[entry.port] = len(found)
-            found.append(_goal(len(found) + 1, entry.port, entry.value, entry.utc))
+            found.append(_sent(len(found) + 1, entry.port, entry.value, entry.utc))
         place = current.get(entry.port)
         if place is None:
             continue
@@ -299,12 +305,9 @@ def _end(found: List[SentGoal], begun: Dict[int, JournalEntry], place: Optional[
         found[place] = found[place]._replace(seconds=seconds)
 
 
-def _goal(number: int, port: Optional[int], value: object, utc: float) -> SentGoal:
-    try:
-        parts = json.loads(value) if isinstance(value, str) else value
-    except ValueError:
-        parts = None
-    if not isinstance(parts, dict):
+def _sent(number: int, port: Optional[int], value: object, utc: float) -> SentGoal:
+    parts = _goal_value(value)
+    if parts is None:
         return SentGoal(number, port, value_text(value), None, utc)
     timeout = parts.get("timeout")
     is_number = isinstance(timeout, (int, float)) and timeout > 0

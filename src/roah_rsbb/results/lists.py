@@ -8,7 +8,7 @@ from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results.runs import run_state_text, signature_of, taken_text
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
-from roah_rsbb.scoring.counting import AttemptsKey, Ruling, Why, attempts_key, event_results
+from roah_rsbb.scoring.counting import AttemptsKey, Ruling, Why, attempts_key, by_attempts, result_of
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.texts import one_line
 from roah_rsbb.wording.times import NOTHING, date_time
@@ -114,7 +114,7 @@ def _found(ruled: Sequence[Ruling]) -> Dict[AttemptsKey, _Found]:
     for ruling in ruled:  # first the runs that are not over
         if ruling.why is Why.NOT_OVER and ruling.record.started_utc:
             found[attempts_key(ruling.record)] = _Found(ruling, False)
-    for result in event_results(ruled):
+    for result in filter(None, map(result_of, by_attempts(ruled))):
         unsigned = [ruling for ruling in result.runs if ruling.record.sign_off is None]
         found[attempts_key(result.shown.record)] = _Found((unsigned or [result.shown])[-1], result.signed)
     return found

@@ -14,7 +14,7 @@ from roah_rsbb.model.records import ItemRecord, RunRecord, SheetPoints
 from roah_rsbb.model.scoring import ScoreKind, ScoringItem
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, tag
 from roah_rsbb.results.runs import run_state_text, signature_of, taken_s, taken_text
-from roah_rsbb.results.standings import DISQUALIFIED, criteria_of, number_text, number_with_unit
+from roah_rsbb.results.standings import DISQUALIFIED, benchmark_name, criteria_of, number_text, number_with_unit
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent
 from roah_rsbb.rulebook.standing_rules import DEFAULT, Rules
 from roah_rsbb.scoring.counting import amount_of, exact
@@ -95,11 +95,6 @@ def cut(text: str, letters: int) -> str:
 # -- the texts --------------------------------------------------------------------------------------
 
 
-def benchmark_name(code: str, title: str) -> str:
-    """Return a benchmark's title with its code, or the code alone."""
-    return f"{title} ({code})" if title else code
-
-
 def front_of(record: RunRecord, rules: Optional[Rules], title: str, in_utc: bool, counts: str = "") -> Front:
     """Return the texts of a run's front page. `title`: the benchmark's title; empty: not known. `counts`: whether the
     run counts, see `RunResult`."""
@@ -152,7 +147,7 @@ def blank_front(
     for item in benchmark.form.items:
         groups.setdefault(item.group, []).append(item)
     return Front(
-        benchmark_name(benchmark.code, benchmark.desc or benchmark.name),
+        benchmark_name(benchmark.code, benchmark.title),
         "Score sheet, to be filled in by hand",
         (
             ("Team", event.team if known else ""), ("Round, run", f"{event.round}, {event.run}" if known else ""),

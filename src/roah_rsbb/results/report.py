@@ -39,7 +39,8 @@ from roah_rsbb.results.report_numbers import (
     unsigned,
 )
 from roah_rsbb.results.runs import run_state_text, taken_text
-from roah_rsbb.results.standing_pages import standing_markup
+from roah_rsbb.results.standing_pages import linked, standing_markup
+from roah_rsbb.results.standings import benchmark_name
 from roah_rsbb.scoring.standings import Standing
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.texts import one_line, visible
@@ -199,11 +200,11 @@ def _standings(site: Site) -> List[Child]:
 
 def _runs(site: Site) -> List[Child]:
     rows = [
-        (str(run.number), date_time(r.opened_utc, site.in_utc), r.zone, _linked(r.benchmark, site.sheets, r.identity),
+        (str(run.number), date_time(r.opened_utc, site.in_utc), r.zone, linked(r.benchmark, r.identity, site.sheets),
          r.team, f"{r.round} / {r.run}", taken_text(r), _points(run),
          run_state_text(r, run.counts), str(len(r.stops)), str(run.warnings),
          sheets.sheet_state(r.closed_utc, r.sign_off),
-         _linked("replay", site.replays, r.identity, ""))
+         linked("replay", r.identity, site.replays) if r.identity in site.replays else "")
         for run in site.runs for r in (run.record,)
     ]
     return [sortable(
@@ -211,12 +212,6 @@ def _runs(site: Site) -> List[Child]:
          "Sheet", *(("Replay",) if site.replays else ())),
         [row if site.replays else row[:-1] for row in rows],
         ("number", "when", "", "", "team", "", "number", "number", "", "number", "number"))]
-
-
-def _linked(text: str, files: Mapping[str, str], identity: str, otherwise: Optional[str] = None) -> Child:
-    if identity in files:
-        return tag("a", text, href=files[identity])
-    return text if otherwise is None else otherwise
 
 
 def _points(run: RunFacts) -> str:
@@ -247,7 +242,7 @@ def _teams(site: Site) -> List[Child]:
     for team in teams(site.runs):
         runs = [run for run in site.runs if run.record.team == team]
         body += [tag("h2", team), tag("p", *_separated(
-            _linked(f"{run.record.benchmark} {run.record.round} / {run.record.run}", site.sheets, run.record.identity)
+            linked(f"{run.record.benchmark} {run.record.round} / {run.record.run}", run.record.identity, site.sheets)
             for run in runs))]
     return body
 
@@ -293,8 +288,7 @@ def _spread(numbers: Spread) -> Tuple[str, str, str]:
 
 
 def _benchmark(site: Site, code: str) -> str:
-    title = site.titles.get(code, "")
-    return f"{title} ({code})" if title else code
+    return benchmark_name(code, site.titles.get(code, ""))
 
 
 def _times(site: Site) -> List[Child]:
@@ -392,13 +386,13 @@ def _missing(site: Site) -> List[Child]:
                  "not signed off.")]
     if missing:
         body.append(sortable(("No.", "Run", "Zone", "Ended", "State"), [
-            (str(run.number), _linked(sheets.run_name(r.benchmark, r.team, r.round, r.run), site.sheets, r.identity),
+            (str(run.number), linked(sheets.run_name(r.benchmark, r.team, r.round, r.run), r.identity, site.sheets),
              r.zone, optional_date_time(r.closed_utc, site.in_utc), run_state_text(r))
             for run in missing for r in (run.record,)
         ], ("number", "what", "", "when")))
     if still:
         body += [tag("h2", "Still connected"), tag("p", *_separated(
-            _linked(sheets.run_name(r.benchmark, r.team, r.round, r.run), site.sheets, r.identity)
+            linked(sheets.run_name(r.benchmark, r.team, r.round, r.run), r.identity, site.sheets)
             for run in still for r in (run.record,)))]
     return body
 

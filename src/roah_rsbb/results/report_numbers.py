@@ -9,7 +9,7 @@ from typing import Callable, Dict, Hashable, Iterable, List, NamedTuple, Optiona
 from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results.events import goals, sections
 from roah_rsbb.results.runs import RunResult
-from roah_rsbb.rulebook.registry import PROFILES
+from roah_rsbb.rulebook.registry import in_order
 from roah_rsbb.scoring.counting import attempts_of
 from roah_rsbb.wording.sheets import is_marked
 
@@ -195,9 +195,8 @@ def spread(numbers: Iterable[Optional[float]]) -> Spread:
 
 
 def codes(runs: Sequence[RunFacts]) -> List[str]:
-    """Return the benchmarks of the runs: in the order of the benchmarks, unknown ones last."""
-    found = {run.record.benchmark for run in runs}
-    return [code for code in PROFILES if code in found] + sorted(found.difference(PROFILES))
+    """Return the benchmarks of the runs, in their order."""
+    return in_order(run.record.benchmark for run in runs)
 
 
 def teams(runs: Sequence[RunFacts]) -> List[str]:
@@ -227,28 +226,24 @@ def item_lines(runs: Sequence[RunFacts]) -> List[ItemLine]:
 
 
 def phase_lines(runs: Sequence[RunFacts]) -> List[TimeLine]:
-    """Return a line for each phase, in the order of the runs."""
-    lines = []
-    for code in codes(runs):
-        seconds: Dict[str, List[Optional[float]]] = {}
-        for run in runs:
-            if run.record.benchmark == code and run.is_over:
-                for phase in run.record.phases:
-                    seconds.setdefault(phase.name, []).append(phase.elapsed_s)
-        lines += [TimeLine(code, name, len(each), spread(each)) for name, each in seconds.items()]
-    return lines
+    """Return a line for each phase, in the order of the runs. Runs count that were started and are over."""
+    return _time_lines(runs, lambda run: [(phase.name, phase.elapsed_s) for phase in run.record.phases if run.is_over])
 
 
 def goal_lines(runs: Sequence[RunFacts]) -> List[TimeLine]:
-    """Return a line for each goal by its number within the run."""
+    """Return a line for each goal by its number within the run, where they are numbered in their order."""
+    return _time_lines(runs, lambda run: [(str(goal.number), goal.seconds) for goal in run.goals])
+
+
+def _time_lines(
+    runs: Sequence[RunFacts], times: Callable[[RunFacts], List[Tuple[str, Optional[float]]]]
+) -> List[TimeLine]:
     lines = []
     for code in codes(runs):
-        seconds: Dict[int, List[Optional[float]]] = {}
-        for run in runs:
-            if run.record.benchmark == code:
-                for goal in run.goals:
-                    seconds.setdefault(goal.number, []).append(goal.seconds)
-        lines += [TimeLine(code, str(number), len(each), spread(each)) for number, each in sorted(seconds.items())]
+        seconds: Dict[str, List[Optional[float]]] = {}
+        for name, each in (pair for run in runs if run.record.benchmark == code for pair in times(run)):
+            seconds.setdefault(name, []).append(each)
+        lines += [TimeLine(code, name, len(each), spread(each)) for name, each in seconds.items()]
     return lines
 
 

@@ -7,13 +7,13 @@ from roah_rsbb.model.records import RunRecord
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, joined, page, table, tag
 from roah_rsbb.results.runs import run_state_text, signature_of
 from roah_rsbb.results.standings import (
+    benchmark_name,
     counting_of,
     criteria_of,
     number_cells,
     number_with_unit,
     rank_text,
     run_text,
-    title_of,
 )
 from roah_rsbb.scoring.counting import Why
 from roah_rsbb.scoring.standings import Standing, TeamLine
@@ -24,7 +24,7 @@ def standing_markup(standing: Standing, sheets: Mapping[str, str]) -> Markup:
     """Build the section of a page; `sheets` has the files of the runs' sheets by identity."""
     names = criteria_of(standing)
     parts: List[Child] = [
-        tag("h2", title_of(standing)),
+        tag("h2", benchmark_name(standing.benchmark, standing.title)),
         tag("p", f"Ranked by {'; then '.join(names[:1] if standing.counting else names)}; {counting_of(standing)}."),
         table(("Rank", "Team", *names, "Runs"), [
             (rank_text(team), team.team, *number_cells(standing, team), _runs(standing, team, sheets))

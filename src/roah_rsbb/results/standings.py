@@ -35,11 +35,9 @@ def number_with_unit(number: Optional[Fraction], unit: str) -> str:
     return f"{number_text(number)} {unit}" if unit and number is not None else number_text(number)
 
 
-def title_of(standing: Standing) -> str:
-    """The benchmark's title with its code, or the code alone."""
-    if not standing.benchmark:
-        return standing.title
-    return f"{standing.title} ({standing.benchmark})" if standing.title else standing.benchmark
+def benchmark_name(code: str, title: str) -> str:
+    """Return a benchmark's title with its code, or the one that there is: a stage has no code."""
+    return f"{title} ({code})" if title and code else title or code
 
 
 def counting_of(standing: Standing) -> str:
@@ -74,7 +72,7 @@ def run_text(run: RankedRun) -> str:
 
 def standing_lines(standing: Standing) -> Iterator[str]:
     """Return the lines for the terminal."""
-    yield f"{one_line(title_of(standing))}: {counting_of(standing)}"
+    yield f"{one_line(benchmark_name(standing.benchmark, standing.title))}: {counting_of(standing)}"
     rows = [("Rank", "Team", *criteria_of(standing), "Runs")]
     rows += [
         (rank_text(team), one_line(team.team), *map(one_line, number_cells(standing, team)), str(len(team.runs)))

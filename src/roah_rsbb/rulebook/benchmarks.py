@@ -90,6 +90,11 @@ class Benchmark:
                          sheet=None if self.sheet is NO_SHEET else self.sheet)
 
     @property
+    def title(self) -> str:
+        """What people call it."""
+        return self.desc or self.name
+
+    @property
     def profile(self) -> Profile:
         """What the programs know of this benchmark."""
         return self.own or profile_of(self.code)

@@ -33,7 +33,18 @@ from roah_rsbb.rulebook.event_ids import VALID, adopted, known_by
 from roah_rsbb.rulebook.registry import CODE, PROFILES, USES, BenchmarkKind, Profile, new_profile
 from roah_rsbb.rulebook.scoring_section import as_sheet
 from roah_rsbb.rulebook.sheet_file import MAX_JUDGES, read_sheet
-from roah_rsbb.rulebook.yaml_fields import choice, describe, fields, integer, number, sequence, text, utc_time
+from roah_rsbb.rulebook.yaml_fields import (
+    all_of,
+    choice,
+    describe,
+    fields,
+    integer,
+    number,
+    one_of,
+    sequence,
+    text,
+    utc_time,
+)
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable, read_yaml
 from roah_rsbb.wording.texts import nearest, twins
 from roah_rsbb.wording.times import zone_of
@@ -118,7 +129,7 @@ _RULES = {
     "pause": "whether the referee may pause the clock",
     "no_show": "how an event counts whose team did not appear",
 }
-_LATE_MARKS = ("count", "do not count")
+_LATE_MARKS = {"count": True, "do not count": False}
 # The key `no_show` is of files before 2026-12, whose incidents did not come with the end of a run.
 _NO_SHOW = {"no score": (), "zero": tuple(reason.name.lower() for reason in NOT_RUN)}
 _PAUSE = {"allowed": True, "not allowed": False}
@@ -194,7 +205,7 @@ class BenchmarksFile:
                     f"total_timeout {total:g} of {code} is less than its timeout {timeout:g}: "
                     "it ends the run before the first goal's time is over",
                 )
-            if name is not None and desc is not None and profile is not None and rules is not None:
+            if name is not None and desc is not None and profile is not None:
                 ends = [end for incident in sheet.incidents for end in incident.at_end]
                 rules = replace(rules, absent=tuple(dict.fromkeys([*rules.absent, *ends])))
                 self.by_code[code] = Benchmark(
@@ -212,8 +223,8 @@ class BenchmarksFile:
             has_clock = any(item.amount is Measure.CLOCK for item in sheet.items)
             return replace(sheet, limit_s=None, clock_s=total if has_clock else None)  # no mark was late
         sheet = read_sheet(report, got.get("sheet"), got.get("incidents"), limit_s, sheets)
-        late = choice(report, got.get("late_marks"), "late_marks", _LATE_MARKS, "what marks after the time limit do")
-        return replace(sheet, limit_s=None, clock_s=total) if late == _LATE_MARKS[0] and limit_s is not None else sheet
+        late = one_of(report, got.get("late_marks"), "late_marks", _LATE_MARKS, "what marks after the time limit do")
+        return replace(sheet, limit_s=None, clock_s=total) if late and limit_s is not None else sheet
 
     def _warn_of_limits(self, benchmark: Benchmark, got: Dict[str, Node]) -> None:
         """Warn about limits that have no effect."""
@@ -228,26 +239,22 @@ class BenchmarksFile:
             self._report.warn(got["phases"].place, f"the phases of {code} take {sum(limits):g} s together: its "
                               f"total_timeout {total:g} ends the run earlier")
 
-    def _rules(self, got: Dict[str, Node], kind: Optional[BenchmarkKind]) -> Optional[EventRules]:
-        """Read the rules about time and attempts; None after an error."""
+    def _rules(self, got: Dict[str, Node], kind: Optional[BenchmarkKind]) -> EventRules:
+        """Read the rules about time and attempts."""
         report = self._report
-        found: Dict[str, Any] = {}
-        if "setup_time" in got:
-            found["setup_time"] = _timeout(report, got, "setup_time", infinity="")
-        if "attempts" in got:
-            found["attempts"] = integer(report, got["attempts"], "attempts", 1, MAX_ATTEMPTS)
+        found: Dict[str, Any] = {
+            "setup_time": _timeout(report, got, "setup_time", infinity=""),
+            "attempts": integer(report, got.get("attempts"), "attempts", 1, MAX_ATTEMPTS),
+            "phases": self._phases(got.get("phases"), kind),
+        }
         for key, name, words in (
             ("attempt_counts", "counting", {each.value: each for each in CountingAttempt}),
             ("restarts", "restarts", {each.value: each for each in Restarts}),
             ("pause", "pause", _PAUSE),
             ("no_show", "absent", _NO_SHOW),
         ):
-            if key in got:
-                word = choice(report, got[key], key, tuple(words), _RULES[key])
-                found[name] = None if word is None else words[word]
-        if "phases" in got:
-            found["phases"] = self._phases(got["phases"], kind)
-        return None if None in found.values() else EventRules(**found)
+            found[name] = one_of(report, got.get(key), key, words, _RULES[key])
+        return EventRules(**{name: value for name, value in found.items() if value is not None})
 
     def _about(self, node: Node) -> Tuple[Tuple[str, str], ...]:
         """Read the texts for spectators: one text, which is English, or one for each language."""
@@ -265,7 +272,7 @@ class BenchmarksFile:
         return tuple(found)
 
     def _judges(self, node: Node) -> Optional[JudgesRule]:
-        """Read how many judges score, and how their sheets become one; None after an error."""
+        """Read how many judges score, and how their sheets become one; None after an error in their number."""
         report = self._report
         what = "judges of a benchmark"
         if not isinstance(node, Mapping):
@@ -273,29 +280,26 @@ class BenchmarksFile:
             return None if count is None else JudgesRule(count)
         got = fields(report, node, what, _JUDGES, _JUDGES_OPTIONAL) or {}
         count = integer(report, got.get("count"), f"count of {what}", MIN_JUDGES, MAX_JUDGES)
-        rule: Optional[str] = Agreement.ALL_AGREE.value
-        if "rule" in got:
-            rule = choice(report, got["rule"], f"rule of {what}", tuple(_AGREEMENTS), "how their sheets become one")
-        return None if count is None or rule is None else JudgesRule(count, _AGREEMENTS[rule])
+        rule = one_of(report, got.get("rule"), f"rule of {what}", _AGREEMENTS, "how their sheets become one")
+        return None if count is None else JudgesRule(count, rule or Agreement.ALL_AGREE)
 
-    def _phases(self, node: Node, kind: Optional[BenchmarkKind]) -> Optional[Tuple[PhaseRule, ...]]:
-        """Read the phases of a task benchmark; None after an error."""
+    def _phases(self, node: Optional[Node], kind: Optional[BenchmarkKind]) -> Tuple[PhaseRule, ...]:
+        """Read the phases of a task benchmark."""
         report = self._report
-        nodes = sequence(report, node, "phases", _PHASES_SHAPE)
-        if nodes is None:
-            return None
-        if kind is not None and kind is not BenchmarkKind.TASK:
-            return report.error(node.place, f"phases in a benchmark of kind '{kind.value}'", "phases in a task only")
-        phases: List[Optional[PhaseRule]] = []
+        if isinstance(node, Sequence) and node.items and kind is not None and kind is not BenchmarkKind.TASK:
+            report.error(node.place, f"phases in a benchmark of kind '{kind.value}'", "phases in a task only")
+            return ()
         places: Dict[str, Place] = {}
-        for each in nodes:
+
+        def phase(each: Node) -> Optional[PhaseRule]:
             got = fields(report, each, "a phase", _PHASE, _PHASE_OPTIONAL) or {}
-            name = text(report, got.get("name"), "name of a phase")
-            limit = _timeout(report, got, "limit") if "limit" in got else NO_LIMIT
-            if name is not None:
-                report.once(places, name, got["name"].place, f"a second phase {quote(name)}", "each name once")
-            phases.append(None if name is None or limit is None else PhaseRule(name, limit))
-        return None if None in phases else tuple(filter(None, phases))
+            name, limit = text(report, got.get("name"), "name of a phase"), _timeout(report, got, "limit")
+            if name is None:
+                return None
+            report.once(places, name, got["name"].place, f"a second phase {quote(name)}", "each name once")
+            return PhaseRule(name, limit or NO_LIMIT)
+
+        return all_of(report, node, "phases", _PHASES_SHAPE, phase)
 
     def _code(self, node: Optional[Node], is_new: bool) -> Optional[str]:
         """Read a code: one that the programs know or, with `is_new`, one that the file defines."""
@@ -320,44 +324,37 @@ class BenchmarksFile:
         known = None if code is None else PROFILES.get(code)
         kind = None if known is None else known.kind
         if "kind" in got:
-            kind = _KINDS.get(choice(report, got["kind"], "kind", tuple(_KINDS), "a kind of benchmark") or "")
+            kind = one_of(report, got["kind"], "kind", _KINDS, "a kind of benchmark")
         if code is not None:
             self.kinds[code] = kind
         uses = self._uses(got["uses"]) if "uses" in got else frozenset() if known is None else known.uses
-        demands = {name: choice(report, got[name], name, tuple(_REQUIRED), expected)
-                   for name, expected in _DEMANDS.items() if name in got}
-        goal = self._timed_out_goal(got.get("timed_out_goal"), kind)
-        if kind is None or uses is None or None in demands.values() or goal == "":
+        offline_data, beacon = (one_of(report, got.get(name), name, _REQUIRED, expected) is not False
+                                for name, expected in _DEMANDS.items())
+        if "timed_out_goal" in got and kind is not None and kind is not BenchmarkKind.FUNCTIONALITY:
+            report.error(got["timed_out_goal"].place, f"timed_out_goal in a benchmark of kind '{kind.value}'",
+                         "it in a functionality benchmark only: the others have no goals")
             return None
-        must = {name: _REQUIRED[demands.get(name) or "required"] for name in _DEMANDS}
-        profile = replace(known or new_profile(kind), kind=kind, uses=uses, offline_data=must["offline_data"],
-                          beacon=must["beacon"])
-        return profile if goal is None else replace(profile, runs_until_timeout=_TIMED_OUT_GOAL[goal])
-
-    def _timed_out_goal(self, node: Optional[Node], kind: Optional[BenchmarkKind]) -> Optional[str]:
-        """Read what a goal counts as when its timeout is over; empty after an error; None: not given."""
-        if node is None:
+        goal = one_of(report, got.get("timed_out_goal"), "timed_out_goal", _TIMED_OUT_GOAL,
+                      "what a goal counts as when its timeout is over")
+        if kind is None:
             return None
-        if kind is not None and kind is not BenchmarkKind.FUNCTIONALITY:
-            self._report.error(node.place, f"timed_out_goal in a benchmark of kind '{kind.value}'",
-                               "it in a functionality benchmark only: the others have no goals")
-            return ""
-        expected = "what a goal counts as when its timeout is over"
-        return choice(self._report, node, "timed_out_goal", tuple(_TIMED_OUT_GOAL), expected) or ""
+        profile = replace(known or new_profile(kind), kind=kind, uses=uses, offline_data=offline_data,
+                          beacon=beacon)
+        return profile if goal is None else replace(profile, runs_until_timeout=goal)
 
-    def _uses(self, node: Node) -> Optional[FrozenSet[str]]:
+    def _uses(self, node: Node) -> FrozenSet[str]:
         """Read what robots may use. An empty sequence is valid."""
         if isinstance(node, Sequence) and not node.items:
             return frozenset()
-        nodes = sequence(self._report, node, "uses", f"some of {', '.join(USES)}, or []")
-        if nodes is None:
-            return None
-        words = [choice(self._report, word, "an entry of uses", USES, "what a robot may use") for word in nodes]
         places: Dict[str, Place] = {}
-        for word, each in zip(words, nodes):
+
+        def use(each: Node) -> Optional[str]:
+            word = choice(self._report, each, "an entry of uses", USES, "what a robot may use")
             if word is not None:
                 self._report.once(places, word, each.place, f"{quote(word)} again in uses", "each once")
-        return None if None in words else frozenset(filter(None, words))
+            return word
+
+        return frozenset(all_of(self._report, node, "uses", f"some of {', '.join(USES)}, or []", use))
 
 
 def _is_plain(sheet: Sheet, scoring: Iterable[ScoringItem]) -> bool:
@@ -489,10 +486,10 @@ class ScheduleSettings:
         for key in got:
             report.once(self._places, key, node.place, f"the setting '{key}' again", "each setting once")
         if "durable" in got:
-            words = tuple(each.value for each in Durable)
-            found = choice(report, got["durable"], "durable", words,
+            words = {each.value: each for each in Durable}
+            found = one_of(report, got["durable"], "durable", words,
                            f"on how many computers an entry must be before it is confirmed, {' or '.join(words)}")
-            self.durable, self.durable_at = Durable(found or Durable.ONE.value), node.place
+            self.durable, self.durable_at = found or Durable.ONE, node.place
         if "time_zone" in got:
             name = text(report, got["time_zone"], "time_zone")
             if name is not None and zone_of(name) is None:

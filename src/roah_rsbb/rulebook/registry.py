@@ -8,7 +8,7 @@ only Python, because teams without ROS have it, too.
 import enum
 import re
 from dataclasses import dataclass, replace
-from typing import Dict, FrozenSet, Iterable
+from typing import Dict, FrozenSet, Iterable, List
 
 
 class BenchmarkKind(enum.Enum):
@@ -106,6 +106,12 @@ CODE = re.compile("[A-Za-z][A-Za-z0-9_]{0,31}")
 def new_profile(kind: BenchmarkKind) -> Profile:
     """What the box knows of a code that a competition defines: robots know it as `OTHER`."""
     return replace(OTHER, kind=kind, uses=frozenset())
+
+
+def in_order(codes: Iterable[str]) -> List[str]:
+    """Return codes, each once: in the order of the table, others last."""
+    found = set(codes)
+    return [code for code in PROFILES if code in found] + sorted(found.difference(PROFILES))
 
 
 def profile_of(code: str) -> Profile:

@@ -9,7 +9,7 @@ from typing import Dict, List, Optional, Tuple
 from roah_rsbb.model.rules import Measure
 from roah_rsbb.model.scoring import MAX_DECIMALS, TIME_LEFT, WHOLE_SHEET, Key, ScoreKind, earlier_id
 from roah_rsbb.rulebook.errors import Place, Report, listing, quote
-from roah_rsbb.rulebook.yaml_fields import choice, describe, fields, sequence, text
+from roah_rsbb.rulebook.yaml_fields import describe, fields, one_of, sequence, text
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable
 
 _ITEMS_SHAPE = "items '- {type: bool, desc: ...}'"
@@ -94,7 +94,7 @@ class _Scoring:
     def _item(self, node: Node, group: str) -> Node:
         report = self._report
         got = fields(report, node, "a scoring item", _ITEM, _ITEM_OPTIONAL) or {}
-        kind = _KINDS.get(choice(report, got.get("type"), "type", tuple(_KINDS), "a scoring type") or "")
+        kind = one_of(report, got.get("type"), "type", _KINDS, "a scoring type")
         if kind is None or "desc" not in got:
             return Unusable(node.place)
         amount, keys = _KEYS[kind]

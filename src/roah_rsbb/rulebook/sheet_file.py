@@ -6,15 +6,28 @@ read, then the names that they refer to are found.
 
 from dataclasses import replace
 from decimal import Decimal
-from typing import Dict, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple, TypeVar
 
 from roah_rsbb.model.records import NOT_RUN
 from roah_rsbb.model.rules import Condition, Incident, Item, ItemChoice, JuryResult, Measure, Sheet, Voids
 from roah_rsbb.model.scoring import MAX_DECIMALS, MAX_NUMBER, MAX_VALUE
 from roah_rsbb.rulebook.errors import Place, Report, listing, quote
-from roah_rsbb.rulebook.yaml_fields import choice, describe, exact, fields, integer, sequence, text
+from roah_rsbb.rulebook.yaml_fields import (
+    YES_NO,
+    all_of,
+    choice,
+    describe,
+    exact,
+    fields,
+    integer,
+    one_of,
+    sequence,
+    text,
+)
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable
 from roah_rsbb.wording.texts import did_you_mean
+
+T = TypeVar("T")
 
 MAX_JUDGES = 20
 MAX_HELP_BYTES = 500
@@ -47,10 +60,9 @@ _KEYS = {
 }
 _AMOUNTS = {amount.value: amount for amount in _KEYS}
 _UNLIMITED = "unlimited"
-_JURY = tuple(each.value for each in JuryResult)
+_JURY = {each.value: each for each in JuryResult}
 # What may hang under an item each time of which is counted alone.
 _MODIFIERS = (Measure.YES, Measure.COUNT, Measure.PERCENT)
-_YES_NO = {"yes": True, "no": False}
 _CONDITION = {"item": "Opens the door"}
 _CONDITION_OPTIONAL = {"least": "2", "is": "fully", "since": "2", "after": "yes", "each": "yes"}
 _FACT = {"fact": "announced min before"}
@@ -126,14 +138,14 @@ def _names(report: Report, node: Sequence, what: str) -> Tuple[str, ...]:
 
 
 def _yes(report: Report, got: Dict[str, Node], key: str) -> bool:
-    return _YES_NO.get(choice(report, got.get(key), key, tuple(_YES_NO), "yes or no") or "", False)
+    return one_of(report, got.get(key), key, YES_NO, "yes or no") or False
 
 
-def _words(report: Report, node: Optional[Node], what: str) -> Tuple[Node, ...]:
-    """Return one thing or several as several."""
-    if not isinstance(node, Sequence):
-        return () if node is None else (node,)
-    return sequence(report, node, what, "names") or ()
+def _some(report: Report, got: Dict[str, Node], key: str, read: Callable[[Node], Optional[T]]) -> Tuple[T, ...]:
+    """Read one thing or several."""
+    node = got.get(key)
+    one = node if isinstance(node, Sequence) or node is None else Sequence(node.place, (node,))
+    return all_of(report, one, key, "names", read)
 
 
 def _decided(node: Node) -> Tuple[str, ...]:
@@ -185,18 +197,18 @@ class _Rows:
         for row_id, row in self.rows.items():
             self.rows[row_id] = row._replace(item=replace(
                 row.item,
-                needs=self._conditions(row, "needs"), unless=self._conditions(row, "unless"),
-                withholds=tuple(filter(None, [self.named(node, "withholds") for node in
-                                              _words(self.report, row.got.get("withholds"), "withholds")]))))
+                needs=_some(self.report, row.got, "needs", lambda node: self._condition(node, "needs")),
+                unless=_some(self.report, row.got, "unless", lambda node: self._condition(node, "unless")),
+                withholds=_some(self.report, row.got, "withholds", lambda node: self.named(node, "withholds"))))
         _Circles(self.report, self.rows).report_one()
         return tuple(row.item for row in self.rows.values())
 
-    def named(self, node: Node, what: str) -> Optional[str]:
+    def named(self, node: Optional[Node], what: str) -> Optional[str]:
         """Return the id of the row that a node names: by its id, or by a name that only one row has."""
         if isinstance(node, Scalar) and node.text in self.rows:
             return node.text
         name = text(self.report, node, what)
-        if name is None:
+        if name is None or node is None:
             return None
         found = [row_id for row_id, row in self.rows.items() if row.item.name == name]
         if len(found) == 1:
@@ -239,8 +251,7 @@ class _Rows:
         item = Item(row_id or name, name, "" if above is None else above.id, amount or Measure.COUNT,
                     for_team=_yes(report, got, "for_team"),
                     total=exact(report, got.get("total"), "total", -MAX_NUMBER, MAX_NUMBER),
-                    tags=tuple(filter(None, [text(report, tag, "a tag") for tag in
-                                             _words(report, got.get("tags"), "tags")])),
+                    tags=_some(report, got, "tags", lambda tag: text(report, tag, "a tag")),
                     help=text(report, got.get("help"), "help", MAX_HELP_BYTES) or "", decided=_decided(node))
         least, most = ends(report, got, quote(name))
         item = replace(item, least=least, most=most)
@@ -270,8 +281,7 @@ class _Rows:
     def _amount(self, got: Dict[str, Node]) -> Optional[Measure]:
         """Return what a mark of an item says; None after an error."""
         if "amount" in got:
-            word = choice(self.report, got["amount"], "amount", tuple(_AMOUNTS), "what a mark says")
-            return None if word is None else _AMOUNTS[word]
+            return one_of(self.report, got["amount"], "amount", _AMOUNTS, "what a mark says")
         if "choices" in got:
             return Measure.CHOICE
         if "judges" in got:
@@ -292,7 +302,6 @@ class _Rows:
                 report.error(got[key].place, f"{key} {end} of a whole number", "one without decimals")
         points = exact(report, got.get("points"), "points", -MAX_NUMBER, MAX_NUMBER)
         seconds = exact(report, got.get("seconds"), "seconds", _NO_SECONDS, _MAX_SECONDS)
-        jury = choice(report, got.get("jury"), "jury", _JURY, "how ratings become one")
         return replace(
             item, low=low, high=high, points=Decimal(1) if amount is Measure.POINTS and points is None else points,
             percent=exact(report, got.get("percent"), "percent", -MAX_NUMBER, MAX_NUMBER),
@@ -303,7 +312,7 @@ class _Rows:
             seconds=Decimal(1) if seconds is None else seconds,
             choices=choices_of(report, got["choices"]) if "choices" in got else (),
             judges=judges_of(report, got, amount is Measure.RATING, self._sheets),
-            jury=JuryResult.MEAN if jury is None else JuryResult(jury),
+            jury=one_of(report, got.get("jury"), "jury", _JURY, "how ratings become one") or JuryResult.MEAN,
         )
 
     def _times(self, node: Optional[Node]) -> Optional[int]:
@@ -352,17 +361,13 @@ class _Rows:
 
     # -- references ---------------------------------------------------------------------------------
 
-    def _conditions(self, row: _Row, key: str) -> Tuple[Condition, ...]:
-        found = [self._condition(node, key) for node in _words(self.report, row.got.get(key), key)]
-        return tuple(each for each in found if each is not None)
-
     def _condition(self, node: Node, key: str) -> Optional[Condition]:
         report = self.report
         if not isinstance(node, Mapping):
             named = self.named(node, key)
             return None if named is None else Condition(named)
         got = fields(report, node, key, _CONDITION, _CONDITION_OPTIONAL) or {}
-        named = self.named(got["item"], key) if "item" in got else None
+        named = self.named(got.get("item"), key)
         least = exact(report, got.get("least"), f"least of {key}", _NO_SECONDS, MAX_NUMBER)
         since = integer(report, got.get("since"), f"since of {key}", 2, MAX_VALUE)
         if "since" in got and key == "unless":
@@ -485,22 +490,22 @@ class _Incidents:
         if name is None or got is None:
             return
         numbers = {each: exact(report, got.get(each), each, 0, MAX_NUMBER) for each in ("below", "after", "longer")}
-        voids = choice(report, got.get("voids"), "voids", tuple(_VOIDS), "which marks become void")
         words = {each: text(report, got.get(each), each) or "" for each in ("of", "longer_by")}
         self._found[name] = Incident(
             name,
             times=integer(report, got.get("times"), "times", 1, MAX_VALUE),
             below=numbers["below"], net=_yes(report, got, "net"),
-            when=self._facts(got, "when"), unless=self._facts(got, "unless"),
-            voids=Voids.NOTHING if voids is None else _VOIDS[voids],
-            marks=(self._tree.named(got["marks"], "marks") or "") if "marks" in got else "",
-            scored_after=_yes(report, got, "scored_after"),
-            ends=self._texts(got, "until"), pauses=_yes(report, got, "pauses"),
+            when=_some(report, got, "when", lambda fact: self._fact(fact, "when")),
+            unless=_some(report, got, "unless", lambda fact: self._fact(fact, "unless")),
+            voids=one_of(report, got.get("voids"), "voids", _VOIDS, "which marks become void") or Voids.NOTHING,
+            marks=self._tree.named(got.get("marks"), "marks") or "",
+            scored_after=_yes(report, got, "scored_after"), pauses=_yes(report, got, "pauses"),
+            ends=_some(report, got, "until", lambda end: text(report, end, "until")),
             of=words["of"], after=numbers["after"],
             longer_by=words["longer_by"], longer=numbers["longer"],
             requests=integer(report, got.get("requests"), "requests", 1, MAX_VALUE),
-            at_end=tuple(filter(None, [choice(report, each, "at_end", _ENDS, "how a run ends that was not held")
-                                       for each in _words(report, got.get("at_end"), "at_end")])),
+            at_end=_some(report, got, "at_end",
+                         lambda end: choice(report, end, "at_end", _ENDS, "how a run ends that was not held")),
             help=text(report, got.get("help"), "help", MAX_HELP_BYTES) or "", decided=_decided(node),
         )
         for one, other in (("of", "after"), ("after", "of"), ("longer", "longer_by"), ("requests", "longer_by"),
@@ -510,13 +515,6 @@ class _Incidents:
                              f"something like '{other}: {_INCIDENT[other]}'")
         if "of" in got:
             self._places[name] = got["of"]
-
-    def _texts(self, got: Dict[str, Node], key: str) -> Tuple[str, ...]:
-        return tuple(filter(None, [text(self._report, node, key) for node in _words(self._report, got.get(key), key)]))
-
-    def _facts(self, got: Dict[str, Node], key: str) -> Tuple[Condition, ...]:
-        found = [self._fact(node, key) for node in _words(self._report, got.get(key), key)]
-        return tuple(each for each in found if each is not None)
 
     def _fact(self, node: Node, key: str) -> Optional[Condition]:
         report = self._report

@@ -4,7 +4,7 @@ They are in the file with the rules of the standings. `overall` is how files had
 """
 
 from decimal import Decimal
-from typing import Any, Dict, List, Optional, Sequence, Tuple, Type, TypeVar
+from typing import Dict, List, Optional, Sequence, Tuple, Type, TypeVar
 
 from roah_rsbb.model.rules import (
     Adjusted,
@@ -20,7 +20,19 @@ from roah_rsbb.model.rules import (
 )
 from roah_rsbb.rulebook.errors import Place, Report, quote
 from roah_rsbb.rulebook.registry import CODE, PROFILES
-from roah_rsbb.rulebook.yaml_fields import choice, describe, exact, fields, integer, sequence, text, utc_time
+from roah_rsbb.rulebook.yaml_fields import (
+    YES_NO,
+    all_of,
+    choice,
+    describe,
+    exact,
+    fields,
+    integer,
+    one_of,
+    sequence,
+    text,
+    utc_time,
+)
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Unusable
 from roah_rsbb.wording.texts import nearest
 from roah_rsbb.wording.times import formatted
@@ -56,9 +68,8 @@ def attempts_rule(report: Report, node: Optional[Node], what: str) -> Optional[A
     how, of_best, number = word.partition(_OF_BEST)
     if of_best and how in [each.value for each in _SEVERAL] and number.isdecimal() and 0 < int(number) < 1000:
         return AttemptsRule(Attempts(how), int(number))
-    words = tuple(each.value for each in Attempts)
-    found = choice(report, node, what, words, "which runs count, also such as 'mean of the best 2'")
-    return None if found is None else AttemptsRule(Attempts(found))
+    words = {each.value: AttemptsRule(each) for each in Attempts}
+    return one_of(report, node, what, words, "which runs count, also such as 'mean of the best 2'")
 
 
 def benchmark_code(report: Report, key: Scalar, codes: Sequence[str] = ()) -> Optional[str]:
@@ -87,25 +98,24 @@ class StageReader:
 
     def read(self, node: Optional[Node]) -> None:
         """Read the stages, in their order."""
-        for each in sequence(self._report, node, "stages", "stages, '- {name: Tasks, of: [...]}'") or ():
-            self.found += filter(None, [self._stage(each)])
+        all_of(self._report, node, "stages", "stages, '- {name: Tasks, of: [...]}'", self._stage)
 
     def read_overall(self, node: Optional[Node]) -> None:
         """Read the overall standings of files without stages: stages with fewer keys, which know no other stage."""
         self._is_old, self._codes = True, None
-        for each in sequence(self._report, node, "overall", "overall standings, '- {name: ..., of: [...]}'") or ():
-            self.found += filter(None, [self._stage(each)])
+        all_of(self._report, node, "overall", "overall standings, '- {name: ..., of: [...]}'", self._stage)
 
     # -- a stage ------------------------------------------------------------------------------------
 
-    def _stage(self, node: Node) -> Optional[Stage]:
+    def _stage(self, node: Node) -> None:
+        """Read a stage. Later ones may name it."""
         report, errors = self._report, len(self._report.errors)
         got = (fields(report, node, "an overall standing", _OVERALL, _OVERALL_OPTIONAL) if self._is_old else
                fields(report, node, "a stage", _STAGE, _STAGE_OPTIONAL))
         if got is None:
-            return None
+            return
         name = text(report, got.get("name"), "name") or ""
-        teams = self._earlier(got["teams"], "teams") if "teams" in got else ""
+        teams = self._earlier(got.get("teams"), "teams")
         normalised = self._word(got, "normalised", Scale, "how numbers become comparable") or (
             Scale.BEST if self._is_old else Scale.NO)
         others = self._word(got, "others", Others, "where teams are ranked that did not advance") or Others.BELOW
@@ -115,18 +125,17 @@ class StageReader:
         given = self._given(name, got.get("given"), adjustments) if len(report.errors) == before else []
         advance = self._advance(got.get("advance"))
         ties = self._ties(got.get("ties"), columns)
-        asks = "asks" in got and choice(report, got["asks"], "asks", ("yes", "no"), "yes or no") == "yes"
+        asks = one_of(report, got.get("asks"), "asks", YES_NO, "yes or no") or False
         least = self._number(got, "min")
-        chosen = self._texts(got.get("chosen"), "chosen", "teams", self._team)
+        chosen = all_of(report, got.get("chosen"), "chosen", "teams", self._team)
         if name and not self._is_old:
             report.once(self._places, name, node.place, f"the stage {quote(name)} again", "each stage once")
         if "others" in got and "teams" not in got:
             report.error(got["others"].place, "'others' in a stage of all teams", "also 'teams: NAME OF A STAGE'")
-        if len(report.errors) > errors or not all(key in got for key in _STAGE):
-            return None
-        self.adjusted += given
-        return Stage(name, tuple(columns), teams or "", normalised, adjustments, advance, others, ties, asks, least,
-                     tuple(chosen))
+        if len(report.errors) == errors and all(key in got for key in _STAGE):
+            self.adjusted += given
+            self.found.append(Stage(name, tuple(columns), teams, normalised, adjustments, advance, others, ties, asks,
+                                    least, chosen))
 
     def _columns(self, node: Optional[Node], normalised: Scale) -> List[StageColumn]:
         shape = "benchmarks, '- {benchmark: " if self._is_old else "tests and earlier stages, '- {test: "
@@ -158,26 +167,25 @@ class StageReader:
             return report.error(node.place, "a column of a stage with 'test' and 'stage', or with neither",
                                 "one of them")
         test = self._test(got[key]) if key in got else ""
-        stage = self._earlier(got["stage"], "stage") if "stage" in got else ""
+        stage = self._earlier(got.get("stage"), "stage")
         for key in ("attempts", "rounds", "events"):
             if key in got and "stage" in got:
                 report.error(got[key].place, f"{quote(key)} of a stage", f"{quote(key)} only beside 'test'")
-        weight = exact(report, got["weight"], "weight", 0, MAX_WEIGHT) if "weight" in got else Decimal(1)
-        attempts = attempts_rule(report, got["attempts"], "attempts") if "attempts" in got else None
+        weight = exact(report, got.get("weight"), "weight", 0, MAX_WEIGHT)
+        attempts = attempts_rule(report, got.get("attempts"), "attempts")
         own = self._word(got, "normalised", Scale, "how its numbers become comparable")
-        maximum = exact(report, got["maximum"], "maximum", Decimal("0.001"), MAX_WEIGHT) if "maximum" in got else None
+        maximum = exact(report, got.get("maximum"), "maximum", Decimal("0.001"), MAX_WEIGHT)
         if (own or normalised) is Scale.MAXIMUM and "maximum" not in got:
             report.error(node.place, "a column without maximum, normalised to the maximum",
                          "something like 'maximum: 500'")
-        rounds = [integer(report, each, "a round", 1, MAX_NUMBER)
-                  for each in self._nodes(got, "rounds", "numbers of rounds, such as [1, 2]")]
-        events = [text(report, each, "an event") for each in self._nodes(got, "events", "ids of events")]
-        seconds = utc_time(report, got["day"], "day") if "day" in got else None
+        rounds = all_of(report, got.get("rounds"), "rounds", "numbers of rounds, such as [1, 2]",
+                        lambda each: integer(report, each, "a round", 1, MAX_NUMBER))
+        events = all_of(report, got.get("events"), "events", "ids of events",
+                        lambda each: text(report, each, "an event"))
+        seconds = utc_time(report, got.get("day"), "day")
         day = "" if seconds is None else formatted(seconds, "%Y-%m-%d", in_utc=True)  # as it is written
-        if len(report.errors) > errors or weight is None:
-            return None
-        return StageColumn(test or "", stage or "", weight, attempts, own, maximum, tuple(filter(None, rounds)),
-                           tuple(filter(None, events)), day)
+        return None if len(report.errors) > errors else StageColumn(
+            test or "", stage, Decimal(1) if weight is None else weight, attempts, own, maximum, rounds, events, day)
 
     def _test(self, node: Node) -> Optional[str]:
         if not isinstance(node, Scalar):
@@ -189,8 +197,8 @@ class StageReader:
                                "a first criterion where more is better")
         return code
 
-    def _earlier(self, node: Node, what: str) -> Optional[str]:
-        return choice(self._report, node, what, tuple(self._places), "an earlier stage")
+    def _earlier(self, node: Optional[Node], what: str) -> str:
+        return choice(self._report, node, what, tuple(self._places), "an earlier stage") or ""
 
     def _ties(self, node: Optional[Node], columns: Sequence[StageColumn]) -> Tuple[str, ...]:
         names = tuple(dict.fromkeys([*(column.subject for column in columns), *self._places]))
@@ -203,7 +211,7 @@ class StageReader:
             known = tuple(dict.fromkeys((*names, *(self._codes or ()))))
             return choice(self._report, each, "ties", known, "a test, or an earlier stage")
 
-        return tuple(self._texts(node, "ties", "tests or earlier stages", read))
+        return all_of(self._report, node, "ties", "tests or earlier stages", read)
 
     def _advance(self, node: Optional[Node]) -> Tuple[Advance, ...]:
         if isinstance(node, Scalar):
@@ -236,7 +244,7 @@ class StageReader:
     def _adjustment(self, name: str, node: Mapping) -> Adjustment:
         got = fields(self._report, node, "an adjustment", {}, _ADJUSTMENT) or {}
         low, high = self._number(got, "from"), self._number(got, "to")
-        times = integer(self._report, got["times"], "times", 1, MAX_NUMBER) if "times" in got else None
+        times = integer(self._report, got.get("times"), "times", 1, MAX_NUMBER)
         out = self._word(got, "disqualified", Disqualified, "where a disqualified team is ranked")
         if "disqualified" in got and len(got) > 1:
             self._report.error(node.place, "points of a disqualification", "only 'disqualified'")
@@ -255,12 +263,10 @@ class StageReader:
             team = self._team(got["team"])
             name = choice(report, got["adjustment"], "adjustment", tuple(one.name for one in adjustments),
                           "an adjustment of this stage")
-            reason = text(report, got["reason"], "reason") if "reason" in got else ""
-            if team is None or name is None or reason is None:
-                continue
-            points = self._points_given(each, got, next(one for one in adjustments if one.name == name))
-            if points is not None:
-                found.append(Adjusted(team, stage, name, points, reason))
+            reason = text(report, got.get("reason"), "reason") or ""
+            if team is not None and name is not None:
+                points = self._points_given(each, got, next(one for one in adjustments if one.name == name))
+                found.append(Adjusted(team, stage, name, points or Decimal(0), reason))
         return found
 
     def _points_given(self, node: Node, got: Dict[str, Node], rule: Adjustment) -> Optional[Decimal]:
@@ -282,20 +288,10 @@ class StageReader:
     # -- values -------------------------------------------------------------------------------------
 
     def _word(self, got: Dict[str, Node], key: str, kind: Type[E], expected: str) -> Optional[E]:
-        if key not in got:
-            return None
-        words = tuple(each.value for each in kind)
-        found = choice(self._report, got[key], key, words, expected)
-        return None if found is None else kind(found)
+        return one_of(self._report, got.get(key), key, {each.value: each for each in kind}, expected)
 
     def _number(self, got: Dict[str, Node], key: str) -> Optional[Decimal]:
-        return exact(self._report, got[key], key, -MAX_WEIGHT, MAX_WEIGHT) if key in got else None
-
-    def _nodes(self, got: Dict[str, Node], key: str, shape: str) -> Sequence[Node]:
-        return sequence(self._report, got.get(key), key, shape) or ()
-
-    def _texts(self, node: Optional[Node], what: str, shape: str, read: Any) -> List[str]:
-        return [found for found in map(read, sequence(self._report, node, what, shape) or ()) if found is not None]
+        return exact(self._report, got.get(key), key, -MAX_WEIGHT, MAX_WEIGHT)
 
     def _pairs(self, node: Optional[Node], what: str, shape: str) -> Sequence[Tuple[Scalar, Node]]:
         if node is None or isinstance(node, Unusable):

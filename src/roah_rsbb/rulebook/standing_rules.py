@@ -5,13 +5,13 @@ sum of items of the referee's sheet, of its points, and of values of the benchma
 several benchmarks become one ranking.
 """
 
-from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.model.rules import Adjusted, AttemptsRule, Decision, Stage
 from roah_rsbb.rulebook.decisions import decisions_in, resolved
 from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.rulebook.stage_rules import StageReader, attempts_rule, benchmark_code
-from roah_rsbb.rulebook.yaml_fields import choice, fields, number, sequence, text
+from roah_rsbb.rulebook.yaml_fields import all_of, fields, number, one_of, text
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Unusable, read_yaml
 
 _SHAPE = "a map 'CODE: {runs: best, criteria: [...]}' of benchmarks"
@@ -94,9 +94,7 @@ def read_rules(
             if key.text in found:
                 continue
             code = benchmark_code(report, key, codes or ())
-            own = _rules(report, node)
-            if code is not None and own is not None:
-                rules[code] = own
+            rules[code or key.text] = _rules(report, node)
         # They may name any benchmark of the file, also one after them.
         less = tuple(code for code, own in rules.items() if own.criteria and not own.criteria[0].more_is_better)
         stages = StageReader(report, less, codes, teams)
@@ -109,53 +107,42 @@ def read_rules(
     return rules
 
 
-def _rules(report: Report, node: Node) -> Optional[Rules]:
+# What has an error is in the report, so nobody uses what is returned for it.
+
+
+def _rules(report: Report, node: Node) -> Rules:
     got = fields(report, node, "a benchmark's rules", {},
-                 {"criteria": "[...]", "runs": "best", "disqualified_by": "[Disqualifying Behaviors]"})
-    if got is None:
-        return None
-    attempts = attempts_rule(report, got["runs"], "runs") if "runs" in got else AttemptsRule()
-    groups: List[Optional[str]] = []
-    if "disqualified_by" in got:
-        nodes = sequence(report, got["disqualified_by"], "disqualified_by", "groups of the score sheet")
-        groups = [text(report, group, "group") for group in nodes or ()]
-    nodes = sequence(report, got.get("criteria"), "criteria", "criteria, '- {name: ..., of: [...]}'")
-    criteria = [_criterion(report, criterion) for criterion in nodes or ()]
-    if attempts is None or None in groups or None in criteria:
-        return None
-    return Rules(attempts, tuple(filter(None, groups)), tuple(c for c in criteria if c is not None))
+                 {"criteria": "[...]", "runs": "best", "disqualified_by": "[Disqualifying Behaviors]"}) or {}
+    return Rules(
+        attempts_rule(report, got.get("runs"), "runs") or AttemptsRule(),
+        all_of(report, got.get("disqualified_by"), "disqualified_by", "groups of the score sheet",
+               lambda group: text(report, group, "group")),
+        all_of(report, got.get("criteria"), "criteria", "criteria, '- {name: ..., of: [...]}'",
+               lambda criterion: _criterion(report, criterion)))
 
 
-def _criterion(report: Report, node: Node) -> Optional[Criterion]:
-    got = fields(report, node, "a criterion", _CRITERION, _CRITERION_OPTIONAL)
-    if got is None:
-        return None
-    name = text(report, got.get("name"), "name")
-    better = "more"
-    if "better" in got:
-        better = choice(report, got["better"], "better", ("more", "less"), "whether more or less is better") or ""
-    nodes = sequence(report, got.get("of"), "of", "terms, '- {group: Achievements}' or '- {score: reached}'")
-    terms = [_term(report, term) for term in nodes or ()]
-    if name is None or not better or None in terms:
-        return None
-    return Criterion(name, better == "more", tuple(term for term in terms if term is not None))
+def _criterion(report: Report, node: Node) -> Criterion:
+    got = fields(report, node, "a criterion", _CRITERION, _CRITERION_OPTIONAL) or {}
+    return Criterion(
+        text(report, got.get("name"), "name") or "",
+        one_of(report, got.get("better"), "better", {"more": True, "less": False},
+               "whether more or less is better") is not False,
+        all_of(report, got.get("of"), "of", "terms, '- {group: Achievements}' or '- {score: reached}'",
+               lambda term: _term(report, term)))
 
 
 def _term(report: Report, node: Node) -> Optional[Term]:
     got = fields(report, node, "a term", {}, _TERM_OPTIONAL)
     if got is None:
         return None
-    words = {key: text(report, got[key], key) for key in ("group", "item", "score", "points") if key in got}
-    weight = number(report, got["weight"], "weight") if "weight" in got else 1.0
+    words = {key: text(report, got[key], key) or "" for key in ("group", "item", "score", "points") if key in got}
+    weight = number(report, got.get("weight"), "weight")
     if len(words) > 1 and ("score" in words or "points" in words):
         alone = "score" if "score" in words else "points"
         others = " or ".join(f"'{key}'" for key in words if key != alone)
-        report.error(node.place, f"a term with '{alone}' and {others}",
-                     "either a value of the benchmarking module (score), points, or items of the referee's sheet")
-        return None
+        return report.error(
+            node.place, f"a term with '{alone}' and {others}",
+            "either a value of the benchmarking module (score), points, or items of the referee's sheet")
     if not words:
-        report.error(node.place, "an empty term", "'group', 'item', 'points' or 'score'")
-        return None
-    if weight is None or None in words.values():
-        return None
-    return Term(weight=weight, **{key: word for key, word in words.items() if word is not None})
+        return report.error(node.place, "an empty term", "'group', 'item', 'points' or 'score'")
+    return Term(weight=1.0 if weight is None else weight, **words)

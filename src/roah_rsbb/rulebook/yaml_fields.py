@@ -31,6 +31,8 @@ _TIME = re.compile(
 # `time` on the ROS interface: uint32 seconds since 1970.
 _LAST_SECOND = 2**32 - 1
 
+YES_NO = {"yes": True, "no": False}
+
 # Control characters, those without width or that turn the direction of text, line and paragraph separators.
 _NOT_IN_A_LINE = ("Cc", "Cf", "Zl", "Zp")
 # Names in some languages need those that join letters, or keep them apart.
@@ -80,8 +82,6 @@ def _wrong(report: Report, node: Optional[Node], what: str, expected: str) -> Op
 
 def text(report: Report, node: Optional[Node], what: str, max_bytes: Optional[int] = None) -> Optional[str]:
     """Read one line of text: not empty, no spaces at either end, and at most `max_bytes` bytes of UTF-8."""
-    if node is None:
-        return None
     if not isinstance(node, Scalar):
         return _wrong(report, node, what, "a text; one that begins with [ or { needs quotes")
     if not node.text:
@@ -103,12 +103,16 @@ def choice(
     report: Report, node: Optional[Node], what: str, choices: Tuple[str, ...], expected: str
 ) -> Optional[str]:
     """Read one of `choices`. `expected` describes them, e.g. "a benchmark code"."""
-    if node is None:
-        return None
     word = node.text if isinstance(node, Scalar) else ""
     if word in choices:
         return word
     return _wrong(report, node, what, expected + (did_you_mean(word, choices) if choices else ""))
+
+
+def one_of(report: Report, node: Optional[Node], what: str, words: Dict[str, T], expected: str) -> Optional[T]:
+    """Read one of these words, and return what it stands for."""
+    found = choice(report, node, what, tuple(words), expected)
+    return None if found is None else words[found]
 
 
 def _number_shape(unit: str, above: Optional[float], least: Optional[float], most: Optional[float]) -> str:
@@ -132,8 +136,6 @@ def number(
 
     `infinity`: a text that stands for infinity; empty: only finite numbers are valid.
     """
-    if node is None:
-        return None
     if infinity and isinstance(node, Scalar) and node.text == infinity:
         return math.inf
     shape, instead = _number_shape(unit, above, least, most), f"; or '{infinity}'" if infinity else ""
@@ -173,8 +175,6 @@ def _unquoted(
     report: Report, node: Optional[Node], what: str, shape: str, pattern: "re.Pattern[str]", read: Callable[[str], T]
 ) -> Optional[T]:
     """Read a value that has this pattern and no quotes; `shape` describes it."""
-    if node is None:
-        return None
     if not isinstance(node, Scalar) or not pattern.fullmatch(node.text):
         return _wrong(report, node, what, shape)
     if node.quoted:
@@ -187,8 +187,6 @@ def utc_time(report: Report, node: Optional[Node], what: str) -> Optional[float]
 
     The value may be quoted. Without a time zone it is UTC; with one ("+01:00") it is converted.
     """
-    if node is None:
-        return None
     found = _TIME.fullmatch(node.text) if isinstance(node, Scalar) else None
     if found is None:
         return _wrong(report, node, what, "a date and time in UTC such as 2015-12-31 14:30:00")
@@ -215,13 +213,18 @@ def sequence(
     report: Report, node: Optional[Node], what: str, shape: str
 ) -> Optional[Tuple[Node, ...]]:
     """Return the items of a sequence that is not empty. `shape` describes the items, e.g. "runs, '- {run: 1}'"."""
-    if node is None:
-        return None
     if not isinstance(node, Sequence):
         return _wrong(report, node, what, f"a sequence of {shape}")
     if not node.items:
         return report.error(node.place, f"an empty sequence as {what}", f"a sequence of {shape}")
     return node.items
+
+
+def all_of(
+    report: Report, node: Optional[Node], what: str, shape: str, read: Callable[[Node], Optional[T]]
+) -> Tuple[T, ...]:
+    """Return what `read` makes of the items of a sequence, without those with an error."""
+    return tuple(found for found in map(read, sequence(report, node, what, shape) or ()) if found is not None)
 
 
 def _word(key: Scalar) -> str:
@@ -247,8 +250,6 @@ def fields(
 
     `what` is e.g. "a benchmark". `required` and `optional` map each known key to an example of its value.
     """
-    if node is None:
-        return None
     if not isinstance(node, Mapping):
         shape = ", ".join(f"{key}: {example}" for key, example in required.items())
         return _wrong(report, node, what, f"a map '{shape or '{}'}'")

@@ -12,13 +12,6 @@ from roah_rsbb.model.rules import JuryResult
 from roah_rsbb.model.scoring import NUMBERS, WHOLE, Agreement, ScoreKind, ScoringItem
 from roah_rsbb.scoring.points import jury_text, whole_part
 
-# How numbers become one. Answers that are no numbers are decided by the majority.
-_OF_NUMBERS = {
-    Agreement.MEAN: JuryResult.MEAN,
-    Agreement.MEDIAN: JuryResult.MEDIAN,
-    Agreement.WITHOUT_EXTREMES: JuryResult.WITHOUT_EXTREMES,
-}
-
 
 class ItemValue(NamedTuple):
     """A value of an item."""
@@ -49,10 +42,10 @@ def agreed(agreement: Agreement, item: ScoringItem, given: Sequence[ItemValue]) 
         return None if not text else ItemValue(whole_part(text), text)
     if agreement is Agreement.ALL_AGREE:
         return None
-    if agreement is Agreement.MAJORITY or item.kind not in NUMBERS:
+    if agreement is Agreement.MAJORITY or item.kind not in NUMBERS:  # of answers that are no numbers, too
         value, count = Counter(given).most_common(1)[0]
         return value if 2 * count > len(given) else None
-    return None if is_mixed else _middle(_OF_NUMBERS[agreement], item, given)
+    return None if is_mixed else _middle(JuryResult(agreement.value), item, given)
 
 
 def _middle(jury: JuryResult, item: ScoringItem, given: Sequence[ItemValue]) -> ItemValue:

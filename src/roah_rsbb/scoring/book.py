@@ -816,4 +816,4 @@ class FinishedRuns:
 
     def titles(self) -> Dict[str, str]:
         """Return what the benchmarks are called, by their codes."""
-        return {code: benchmark.desc or benchmark.name for code, benchmark in self.benchmarks.items()}
+        return {code: benchmark.title for code, benchmark in self.benchmarks.items()}

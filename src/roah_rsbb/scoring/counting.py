@@ -283,10 +283,11 @@ def _decided(attempts: List[RunRecord], rules: Rules, event: EventRules, choice:
     if choice.signed_off:
         found = [ruling._replace(why=Why.NOT_SIGNED_OFF) if ruling.counts and ruling.record.sign_off is None else ruling
                  for ruling in found]
-    return _Decided(attempts, rules, event, found, _result(found))
+    return _Decided(attempts, rules, event, found, result_of(found))
 
 
-def _result(attempts: Sequence[Ruling]) -> Optional[EventResult]:
+def result_of(attempts: Sequence[Ruling]) -> Optional[EventResult]:
+    """Return the result of a team's attempts at an event; None: none of its runs is over."""
     over = [ruling for ruling in attempts if ruling.record.end_reason and ruling.why is not Why.ANNULLED]
     runs = [ruling for ruling in over if ruling.counts] or over[-1:]
     return EventResult(tuple(runs)) if runs else None
@@ -358,13 +359,11 @@ def _why_not(record: RunRecord, choice: RunChoice) -> Optional[Why]:
     return None if record.end_reason else Why.NOT_OVER
 
 
-def event_results(ruled: Sequence[Ruling]) -> List[EventResult]:
-    """Return the results of each team at each event, from the rulings on all runs. A run that is not over gives none.
-    """
+def by_attempts(ruled: Sequence[Ruling]) -> List[List[Ruling]]:
+    """Return the rulings on the attempts of each team at each event, the oldest first."""
     by_identity = {ruling.record.identity: ruling for ruling in ruled}
-    attempts = attempts_of(ruling.record for ruling in ruled).values()
-    found = (_result([by_identity[record.identity] for record in each]) for each in attempts)
-    return [result for result in found if result is not None]
+    return [[by_identity[record.identity] for record in attempts]
+            for attempts in attempts_of(ruling.record for ruling in ruled).values()]
 
 
 def with_events(records: Iterable[RunRecord], plans: Iterable[ZonePlan]) -> List[RunRecord]:

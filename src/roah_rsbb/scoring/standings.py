@@ -10,7 +10,7 @@ from roah_rsbb.model.rules import Attempts, AttemptsRule, Scale, StageColumn
 from roah_rsbb.model.scoring import SheetForm
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_RULES, EventRules
 from roah_rsbb.rulebook.changes import differences
-from roah_rsbb.rulebook.registry import PROFILES
+from roah_rsbb.rulebook.registry import in_order
 from roah_rsbb.rulebook.standing_rules import DEFAULT, TOTAL, Criterion, Rules, StandingRules
 from roah_rsbb.scoring.book import form_of
 from roah_rsbb.scoring.counting import (
@@ -18,7 +18,7 @@ from roah_rsbb.scoring.counting import (
     Ruling,
     RunChoice,
     Why,
-    attempts_of,
+    by_attempts,
     exact,
     replaces,
     rules_for,
@@ -92,9 +92,8 @@ def standings(
 
     `titles`: what the benchmarks are called, by their codes.
     """
-    codes = {record.benchmark for record in records}
-    ordered = [code for code in PROFILES if code in codes] + sorted(codes.difference(PROFILES))
-    found = [standing(code, records, rules.get(code), choice)._replace(title=titles.get(code, "")) for code in ordered]
+    found = [standing(code, records, rules.get(code), choice)._replace(title=titles.get(code, ""))
+             for code in in_order(record.benchmark for record in records)]
     if isinstance(rules, StandingRules):
         found = [*stage_standings(rules, records, choice), *found]
     return [s for s in found if s.lines or s.remarks]
@@ -111,7 +110,7 @@ def standing(code: str, records: Sequence[RunRecord], rules: Optional[Rules], ch
     if any(ruling.why is Why.ALL_ROBOTS for ruling in ruled):
         remarks.append("all robots run at once: there is no score for each team")
     by_team: Dict[str, List[RankedRun]] = {}
-    for ruling in _by_attempts(ruled):
+    for ruling in (each for attempts in by_attempts(ruled) for each in attempts):
         missing: Dict[str, None] = {}
         if ruling.counts:
             run = RankedRun(ruling.record, ruling.disqualified(rules), ruling.numbers(rules, missing))
@@ -161,13 +160,6 @@ def _unit(criterion: Criterion, records: Sequence[RunRecord]) -> str:
     name = criterion.terms[0].score
     units = {s.unit for r in records for s in r.module_scores if name and not s.group and s.name == name}
     return units.pop() if len(units) == 1 else ""
-
-
-def _by_attempts(ruled: Sequence[Ruling]) -> Iterator[Ruling]:
-    """Yield the rulings with the attempts at an event beside each other."""
-    by_identity = {ruling.record.identity: ruling for ruling in ruled}
-    for attempts in attempts_of(ruling.record for ruling in ruled).values():
-        yield from (by_identity[record.identity] for record in attempts)
 
 
 def _remarks(ruling: Ruling, missing: Mapping[str, None], event: EventRules) -> Iterator[str]:

@@ -139,7 +139,7 @@ def _first(zone: Zone) -> int:
 
 
 def _event(zone: str, benchmark: Benchmark, team: str, round_number: int, run: int, utc_s: float) -> PublicEvent:
-    return PublicEvent(zone, benchmark.desc or benchmark.name, team, round_number, run, utc_s)
+    return PublicEvent(zone, benchmark.title, team, round_number, run, utc_s)
 
 
 def _result(run: FinishedRun, with_scores: bool) -> PublicResult:

@@ -103,7 +103,7 @@ def events_shown(lines: Iterable[EventLine]) -> Dict[str, EventSeen]:
 def _shown(line: EventLine, number: int) -> EventSeen:
     event, benchmark = line.event, line.event.benchmark
     found = EventSeen(
-        event.id, number, line.zone, benchmark.code, benchmark.desc or benchmark.name, event.team, event.round,
+        event.id, number, line.zone, benchmark.code, benchmark.title, event.team, event.round,
         event.run, event.scheduled, line.begins, line.state.value, line.current)
     if line.result is None:
         return found

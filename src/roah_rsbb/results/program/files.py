@@ -126,7 +126,7 @@ def export(options: argparse.Namespace) -> int:
         written = [path for number in numbers for path in write_mcap(read.result(number), options.mcap)]
         print(f"the logs of {len(written)} robots in {len(numbers)} runs are in {options.mcap}")
     if options.html:
-        _write_sheets(options, read, numbers, options.html, "html", _write_html)
+        _write_sheets(options, read, numbers, options.html, "html", _write_text)
     if options.pdf:
         with Printer() as printer:
             _warn_of_fonts(_write_sheets(options, read, numbers, options.pdf, "pdf", printer.print))
@@ -165,7 +165,7 @@ def replay(options: argparse.Namespace) -> int:
     for identity in options.runs or reader.identities():
         result = run_result(reader, *find_record(reader, identity, warn), warn)
         path = os.path.join(options.html, replay_name(result.number, result.record))
-        _write_html(replay_of(reader, result, parts, options.utc, warn, options.video), path)
+        _write_text(replay_of(reader, result, parts, options.utc, warn, options.video), path)
         print(path)
     return 0
 
@@ -184,7 +184,7 @@ def report(options: argparse.Namespace) -> int:
         sub_folder = f"competition{number}"
         site = _write_site(options, source, os.path.join(options.html, sub_folder), shared, "../index.html")
         compared.append(Compared(f"{number}. {name}", f"{sub_folder}/index.html", site))
-    _write_html(comparison(compared, shared), os.path.join(options.html, "index.html"))
+    _write_text(comparison(compared, shared), os.path.join(options.html, "index.html"))
     print(f"the reports of {len(sources)} competitions are in {os.path.join(options.html, 'index.html')}")
     return 0
 
@@ -239,7 +239,7 @@ def _write_site(
         site = Site(runs, read.ranked, sheets, replays, read.titles, as_of, options.utc, shared, read.competition, home,
                     period_s)
         for name, text in all_pages(site).items():
-            _write_html(text, os.path.join(folder, name))
+            _write_text(text, os.path.join(folder, name))
     return site
 
 
@@ -294,15 +294,15 @@ def _write_run(read: _Read, folder: str, parts: Optional[PageParts], link_period
     warnings: List[str] = []
     result = read.result(number, warnings.append)
     sheet, replay_file = f"runs/{file_name(number, result.record)}.html", ""
-    _write_html(read.sheet(result), os.path.join(folder, sheet))
+    _write_text(read.sheet(result), os.path.join(folder, sheet))
     if parts is not None:
         replay_file = f"runs/{replay_name(number, result.record)}"
-        _write_html(replay_of(read.reader, result, parts, read.in_utc, warnings.append),
+        _write_text(replay_of(read.reader, result, parts, read.in_utc, warnings.append),
                     os.path.join(folder, replay_file))
     return _WrittenRun(facts_of(result, link_period), sheet, replay_file, warnings)
 
 
-def _write_html(text: str, path: str) -> None:
+def _write_text(text: str, path: str) -> None:
     _write(path, lambda file: file.write(text))
 
 
@@ -333,17 +333,13 @@ def standings(options: argparse.Namespace) -> int:
     return 0
 
 
-def _write_text(text: str, file: TextIO) -> None:
-    file.write(text)
-
-
 def _write_tables(directory: str, ranked: Sequence[Standing]) -> None:
     """Write the standings as RoboCup@Home publishes them."""
     scores = scores_of(ranked)
     os.makedirs(directory, exist_ok=True)
     for name, text in (("scores.csv", scores_text(scores)), ("scores.md", attempts_text(scores)),
                        ("standings.md", rankings_text(ranked))):
-        _write(os.path.join(directory, name), functools.partial(_write_text, text))
+        _write_text(text, os.path.join(directory, name))
     print(f"{len(scores)} attempts are in {directory}")
 
 
@@ -382,7 +378,7 @@ def checklist(options: argparse.Namespace) -> int:
 
 
 def _titles(options: argparse.Namespace) -> Dict[str, str]:
-    return {code: benchmark.desc or benchmark.name for code, benchmark in benchmarks(options).items()}
+    return {code: benchmark.title for code, benchmark in benchmarks(options).items()}
 
 
 def _competition(options: argparse.Namespace) -> Competition:
@@ -397,7 +393,7 @@ def _competition(options: argparse.Namespace) -> Competition:
 def _write_page(options: argparse.Namespace, text: str) -> None:
     """Write a page as the options say."""
     if options.html:
-        _write_html(text, options.html)
+        _write_text(text, options.html)
     if options.pdf:
         _make_folder_of(options.pdf)
         print_pdf(text, options.pdf)
@@ -441,8 +437,4 @@ def _write_csv(options: argparse.Namespace, columns: Tuple[str, ...], rows: Iter
 
 
 def _write_json(options: argparse.Namespace, value: object) -> None:
-    def write(file: TextIO) -> None:
-        json.dump(value, file, ensure_ascii=False, indent=1)
-        file.write("\n")
-
-    _write(options.json, write)
+    _write_text(json.dumps(value, ensure_ascii=False, indent=1) + "\n", options.json)
