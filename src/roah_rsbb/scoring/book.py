@@ -482,9 +482,10 @@ class FinishedRun:
             now, who, mark, None, record.opened_utc, record.end_reason, record.closed_utc).text)
 
     def _was_before_sign_off(self, now: Now, ago_ms: int) -> bool:
-        """Whether what arrives now, after the sign-off, was made before it."""
-        signed = self.record.sign_off
-        return signed is not None and now.utc - ago_ms / 1000 < signed.utc
+        """Whether what arrives now, after the sign-off, has waited and was made before it. A moment before the run is
+        not believed: the clock was set back."""
+        signed, made = self.record.sign_off, now.utc - ago_ms / 1000
+        return signed is not None and ago_ms > 0 and self.record.opened_utc - UNSURE_S <= made < signed.utc
 
     def take_captain(self, sign: CaptainSign) -> str:
         """Take the captain's signature, also after the sign-off: it changes nothing else. The last one holds. Raises

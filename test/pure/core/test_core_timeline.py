@@ -216,6 +216,13 @@ def test_a_mark_that_arrives_after_the_sign_off_is_proposed_and_changes_nothing_
     with pytest.raises(Refused, match="has decided"):
         world.act("decide", "Ben", number=1)
     waited(world, 70.0, 1)  # it arrives again
+    world.set_clock(-3600.0)
+    for seconds in (0.0, 0.02, 10.0):  # ... and what is new is not of a moment before the run
+        with pytest.raises(Refused, match="it is final"):
+            waited(world, seconds, 4)
+    world.set_clock(3600.0 - 61.0)
+    with pytest.raises(Refused, match="it is final"):
+        waited(world, 0.0, 4)
     assert world.box.scores.record_of(world.now, world.name) == record
 
 
@@ -258,6 +265,7 @@ def test_a_signature_of_the_captain_is_outdated_when_the_sheet_is_corrected_afte
 
     world.act("start")
     world.act("mark", group=FOUND.group, desc=FOUND.desc, value=1, id="m")
+    world.robot.lives(20.0)
     world.act("disconnect", running=True)
     world.act("captain", "Ada", name="Cleo")
     world.act("sign_off", "Ada")

@@ -111,10 +111,13 @@ class Box:
             core.expect_copies([STANDBY])
         self.oracles.opened(self, core)
         await core.ask()
-        core.resume(lambda versions: {})
-        core.open()
-        self.core = core
-        self.oracles.resumed(self, core)
+        try:
+            core.resume(lambda versions: {})
+            core.open()
+            self.core = core
+            self.oracles.resumed(self, core)
+        except Exception as error:  # nobody asks the task for it
+            world.scheduler.bugs.append(error)
         self._documents = Documents(core.box, "", "")
         self._tick(process, core, 0)
 

@@ -92,6 +92,7 @@ class Storage:
         self.slow_s = 1.0
         self.frozen_until = 0.0  # true time until which it takes no writes, as while a snapshot is taken
         self._troubled = self._blocked = 0.0  # since when there is trouble, and since when it takes nothing
+        self._held = []  # of the newest syncs: when each is over, and when its thread notices that
         self.patient_until = 0.0  # the process's time until which a thread waits for a sync
         self._lock: Optional[int] = None  # of the journal, which the present core has
         self._journal: Optional[Journal] = None  # of the present core
@@ -141,9 +142,27 @@ class Storage:
         """Until when a process that was killed then must have kept what happened."""
         since = self._troubled if self.is_in_trouble else killed_at
         if power:
-            return since - LOST_S
+            return since - LOST_S - self._held_s()
         is_blocked = self.scheduler.now < max(self.full_until, self.frozen_until, self.broken_until) + TRIES_AGAIN_S
         return since if is_blocked else float("inf")
+
+    def _held_s(self):
+        """How much later the threads of syncs have noticed lately that these were over: a program that waits in a
+        system call meanwhile holds them (`Process.wait`), which only happens here."""
+        now, found = self.scheduler.now, 0.0
+        for is_over, noticed in reversed(self._held):
+            if noticed > now - found - LOST_S:
+                found += max(0.0, min(noticed, now) - is_over)
+        return found
+
+    def _await_sync(self, wait):
+        seconds = self.sync_s()
+        held = [self.scheduler.now + seconds, float("inf")]
+        self._held = [*self._held[-9:], held]
+        try:
+            wait(seconds)
+        finally:
+            held[1] = self.scheduler.now
 
     def blocked_s(self):
         """For how long it has taken nothing; 0: it does."""
@@ -233,7 +252,7 @@ class Storage:
     def sync(self, fd, wait):
         inode = self._open[fd]
         count = len(inode.written)
-        wait(self.sync_s())
+        self._await_sync(wait)
         if self.scheduler.now < self.broken_until:
             # The system forgets what it could not write. A part of it may be on the disk.
             kept = [write for write in inode.written[:count] if self.random.random() < 0.5]
@@ -245,7 +264,7 @@ class Storage:
     def sync_folder(self, path, wait):
         folder = self._folders.get(path)
         count = 0 if folder is None else len(folder.changes)
-        wait(self.sync_s())
+        self._await_sync(wait)
         if self.scheduler.now < self.broken_until:
             raise OSError(errno.EIO, os.strerror(errno.EIO))
         if folder is not None:

@@ -208,13 +208,15 @@ class Ledger:
     # -- what referees do ---------------------------------------------------------------------------
 
     @contextlib.contextmanager
-    def acting(self, act, event):
-        """Something is carried out, while the zone is at an event. The block gives the answer to `done`."""
+    def acting(self, act, box):
+        """A box carries something out. The block gives the answer to `done`."""
+        event = box.core.box.zones[act.zone].event
         self._acting, act.has_run, act.event = act, act.zone in self.current, event
         try:
             yield
         except Ended:
-            self.interrupted(act)
+            if box is self._world.box:  # otherwise another one took over meanwhile
+                self.interrupted(act)
             raise
         finally:
             self._acting = None

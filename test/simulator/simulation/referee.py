@@ -216,7 +216,7 @@ class Referee:
             done.at = scheduler.now
             calls = BoxCalls(core.box, event, Disks(
                 core.journal.ticket, why_not_saved, ask_standby, core.why_not_recorded)).named()
-            with self.world.ledger.acting(done, core.box.zones[zone].event):
+            with self.world.ledger.acting(done, box):
                 found = carried_out(calls[call], arguments, Caller("referee"))
                 reasons = () if isinstance(found, Waiting) else _texts(found)
                 if box.core is core and box is self.world.box:
