@@ -31,7 +31,7 @@ from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.ground import linux
-from roah_rsbb.ground.arguments import Parser, add_password, called, number, public_port
+from roah_rsbb.ground.arguments import Parser, add_network, add_password, called, number
 from roah_rsbb.ground.installed import NotShipped, shipped_folder, warn_if_replaced
 from roah_rsbb.model.modules import ModuleInfo, ModulesState, Progress, RequestKind, RunForModule
 from roah_rsbb.model.reason import Refused
@@ -264,13 +264,7 @@ def _parser() -> argparse.ArgumentParser:
     who.add_argument("--team", required=True, help="team name, exactly as the robot sends it")
     who.add_argument("--robot", default="", help="robot name, if the team has several robots (default: any)")
     add_password(who)
-    network = parser.add_argument_group("network")
-    network.add_argument("--host", default="10.255.255.255", metavar="BROADCAST",
-                         help="the network's broadcast address; 'ip -4 addr' shows it as brd (default: %(default)s)")
-    network.add_argument("--port", type=public_port, default=6666,
-                         help="public UDP port (default: %(default)s)")
-    network.add_argument("--bind", default=sockets.ANY_HOST, metavar="HOST",
-                         help="local address, if robot and box share a machine (default: %(default)s)")
+    add_network(parser.add_argument_group("network"))
     what = parser.add_argument_group("run")
     what.add_argument("--benchmark", choices=tuple(PROFILES), default="HGTKMH", metavar="CODE",
                       help=f"one of {', '.join(PROFILES)} (default: %(default)s)")

@@ -18,7 +18,7 @@ from roah_rsbb.check.scenarios import SCENARIOS, Depth, Scenario
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.ciphers import PASSWORD_VARIABLE, Cipher, cipher_by_label, own_password
 from roah_rsbb.ground import linux
-from roah_rsbb.ground.arguments import Parser, add_password, called, number, public_port, read_by
+from roah_rsbb.ground.arguments import Parser, add_network, add_password, called, number, read_by
 from roah_rsbb.ground.installed import pages_folder, warn_if_replaced
 from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.wording.texts import did_you_mean
@@ -58,27 +58,21 @@ exit status: 0 passed, 1 the robot has faults, 2 wrong arguments, 3 the check co
 """
 
 
-def _codes(text: str) -> Tuple[str, ...]:
-    codes = tuple(code.strip() for code in text.split(",") if code.strip())
-    for code in codes:
-        if code not in PROFILES:
-            raise argparse.ArgumentTypeError(
-                f"no benchmark {code!r}{did_you_mean(code, PROFILES)}")
-    if not codes:
-        raise argparse.ArgumentTypeError(f"no benchmark is given: choose from {', '.join(PROFILES)}")
-    return codes
+def _some_of(known: Sequence[str], what: str, remedy: str) -> Callable[[str], Tuple[str, ...]]:
+    """Return what reads names that are separated by commas."""
+    def read(text: str) -> Tuple[str, ...]:
+        names = tuple(name.strip() for name in text.split(",") if name.strip())
+        for name in names:
+            if name not in known:
+                raise argparse.ArgumentTypeError(f"no {what} {name!r}{did_you_mean(name, known)}")
+        if not names:
+            raise argparse.ArgumentTypeError(f"no {what} is given: {remedy}")
+        return names
+    return read
 
 
-def _names(text: str) -> Tuple[str, ...]:
-    names = tuple(name.strip() for name in text.split(",") if name.strip())
-    known = [one.name for one in SCENARIOS]
-    for name in names:
-        if name not in known:
-            raise argparse.ArgumentTypeError(
-                f"no scenario {name!r}{did_you_mean(name, known)}")
-    if not names:
-        raise argparse.ArgumentTypeError("no scenario is given: --list shows all of them")
-    return names
+_codes = _some_of(tuple(PROFILES), "benchmark", f"choose from {', '.join(PROFILES)}")
+_names = _some_of([one.name for one in SCENARIOS], "scenario", "--list shows all of them")
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -88,11 +82,7 @@ def _parser() -> argparse.ArgumentParser:
     who.add_argument("--robot", default="", help="robot name, if the team has several robots (default: any)")
     add_password(who)
     network = parser.add_argument_group("network")
-    network.add_argument("--host", default="10.255.255.255", metavar="BROADCAST",
-                         help="the network's broadcast address; 'ip -4 addr' shows it as brd (default: %(default)s)")
-    network.add_argument("--port", type=public_port, default=6666, help="public UDP port (default: %(default)s)")
-    network.add_argument("--bind", default=sockets.ANY_HOST, metavar="HOST",
-                         help="local address, if robot and check share a machine (default: %(default)s)")
+    add_network(network)
     network.add_argument("--second-bind", default="", metavar="HOST",
                          help="another address of this machine, for the scenarios with a second box (default: none; on "
                               "loopback 100 after --bind, such as 127.0.0.101)")

@@ -102,6 +102,15 @@ def add_password(to: "argparse._ArgumentGroup") -> None:
     password.add_argument("--password-file", metavar="FILE", help="a file whose first line is the password")
 
 
+def add_network(to: "argparse._ArgumentGroup") -> None:
+    """Add where a participant is in the network of the robots."""
+    to.add_argument("--host", default="10.255.255.255", metavar="BROADCAST",
+                    help="the network's broadcast address; 'ip -4 addr' shows it as brd (default: %(default)s)")
+    to.add_argument("--port", type=public_port, default=6666, help="public UDP port (default: %(default)s)")
+    to.add_argument("--bind", default="0.0.0.0", metavar="HOST",
+                    help="local address, if participants share a machine (default: %(default)s)")
+
+
 def public_port(text: str) -> int:
     """A type for argparse: a public UDP port, with space for private ports above it."""
     if not text.isdecimal() or not 1 <= int(text) <= 65000:

@@ -19,7 +19,7 @@ from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.ciphers import PASSWORD_VARIABLE, Cipher, cipher_by_label, own_password
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.ground import linux
-from roah_rsbb.ground.arguments import Parser, add_password, called, number, read_by
+from roah_rsbb.ground.arguments import Parser, add_network, add_password, called, number, read_by
 from roah_rsbb.ground.installed import warn_if_replaced
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.client import Behaviour, RobotClient
@@ -224,11 +224,7 @@ def _parser() -> argparse.ArgumentParser:
     who.add_argument("--robot", default="DummyRobot", help="robot name (default: %(default)s)")
     add_password(who)
     network = parser.add_argument_group("network")
-    network.add_argument("--host", default="10.255.255.255",
-                         help="the network's broadcast address, or the box's address (default: %(default)s)")
-    network.add_argument("--port", type=int, default=6666, help="public UDP port (default: %(default)s)")
-    network.add_argument("--bind", default=ANY_HOST, metavar="HOST",
-                         help="local address, if participants share a machine (default: %(default)s)")
+    add_network(network)
     network.add_argument("--cipher", type=read_by(cipher_by_label), default=Cipher.AES_128_CBC, metavar="NAME",
                          help="cipher of its messages, such as aes-256-cbc (default: aes-128-cbc)")
     _add_behaviour(parser)

@@ -13,9 +13,8 @@ import time
 from typing import List, Optional, Tuple
 
 from roah_rsbb.comm.channels import Network
-from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.ground import linux
-from roah_rsbb.ground.arguments import Parser, read_by
+from roah_rsbb.ground.arguments import Parser, add_network, read_by
 from roah_rsbb.tablet.radio import ShownTablet, TabletRadio
 
 PROGRAM = "dummy_tablet"
@@ -55,11 +54,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--position", type=read_by(_position), metavar="X,Y",
                         help="select a position at the start, in metres (--position=-1,2 if it begins with a minus)")
     parser.add_argument("--once", action="store_true", help="end when the box has published it")
-    parser.add_argument("--host", default="10.255.255.255",
-                        help="the network's broadcast address (default: %(default)s)")
-    parser.add_argument("--port", type=int, default=6666, help="public UDP port (default: %(default)s)")
-    parser.add_argument("--bind", default=ANY_HOST, metavar="HOST",
-                        help="local address, if this machine has several (default: %(default)s)")
+    add_network(parser.add_argument_group("network"))
     return parser
 
 

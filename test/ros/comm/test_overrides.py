@@ -1,7 +1,5 @@
 """The override sequences of the comm node's documentation, for every benchmark, in one running node."""
 
-import re
-
 import rospy
 from geometry_msgs.msg import Pose2D
 from rosgraph_msgs.msg import Log
@@ -330,38 +328,3 @@ class TestEnd(OverrideCase):
             self.assertEqual(self.next_of(listener).benchmark_state, SAYS_PREPARE)
             self.end_override()
             self.assertEqual(self.next_of(listener).benchmark_state, SAYS_STOP)
-
-
-class TestBadOverrides(OverrideCase):
-    """Numbers that there are not: the names that there are, and nothing changes."""
-
-    def test_no_such_benchmark(self) -> None:
-        for number in (12, 255):
-            with self.assertRaises(CommRefusal) as caught:
-                self.override(number)
-            names = ", ".join(f"{known} {code}" for code, known in NUMBERS.items())
-            self.assertEqual(str(caught.exception), f"unknown benchmark number {number}: choose from {names}")
-        self.end_override()
-        self.assertEqual([m.benchmark for m in self.benchmarks.messages], [0])
-        self.assertEqual(self.published, ALWAYS)
-
-    def test_no_such_state(self) -> None:
-        self.override(NUMBERS["STB"], PREPARE)
-        self.wait_said(SAYS_PREPARE)
-        with self.assertRaisesRegex(
-            CommRefusal, "^unknown benchmark state 4: choose from 0 STOP, 1 PREPARE, 2 GOAL_TX, 3 WAITING_RESULT$"
-        ):
-            self.override(NUMBERS["STB"], 4)
-        self.assertEqual((self.said[-1], self.services), (SAYS_PREPARE, {"end_prepare"}))
-
-    def test_a_result_that_does_not_fit(self) -> None:
-        number = NUMBERS["HPPF"]
-        self.override(number, PREPARE)
-        self.call("end_prepare")
-        self.override(number, GOAL_TX)
-        for name, pose, why in (("Annie", Pose2D(float("nan"), 0, 0), "nan is not valid in a pose"),
-                                ("A" * 900, Pose2D(), "at most 900 fit")):
-            with self.assertRaisesRegex(CommRefusal, re.escape(why)):
-                self.call("end_execute", ResultHPPF, name, pose)
-        self.call("end_execute", ResultHPPF, "Annie", Pose2D())
-        self.wait_services()

@@ -9,8 +9,8 @@ save_nothing.
 
 import asyncio
 import concurrent.futures
+import functools
 import logging
-import sys
 import threading
 import time
 from typing import Any, Awaitable, Callable, Dict, Optional
@@ -21,13 +21,11 @@ from std_msgs.msg import Empty, UInt32
 from std_msgs.msg import String as StringMsg
 from std_srvs.srv import Empty as EmptySrv
 
-from roah_rsbb.ground.params import BadParams
 from roah_rsbb.msg import BenchmarkState, GoalHGMF, GoalOMF
 from roah_rsbb.protocol import PERCENTAGES
 from roah_rsbb.robot.dummy import PHASES, DummyOptions, DummyRobot
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
-from roah_rsbb.ros import connections
-from roah_rsbb.ros.node import NodeParams, RosLoop, explain
+from roah_rsbb.ros.node import NodeParams, RosLoop, run_node
 from roah_rsbb.rulebook.registry import GoalForm, ResultForm, profile_of
 from roah_rsbb.srv import Bool, Percentage, ResultHOPF, ResultHPPF, String
 
@@ -60,21 +58,14 @@ class Services:
         self._saved = count
         self._saved_topic.publish(count)
 
-    def notify(self, text: str) -> None:
-        """Online data."""
-        self._start_call("notifications", String, text)
+    def _say(self, name: str, text: str) -> None:
+        self._start_call(name, String, text)
 
-    def activation_event(self, text: str) -> None:
-        """Online data."""
-        self._start_call("activation_event", String, text)
-
-    def visitor(self, text: str) -> None:
-        """Online data."""
-        self._start_call("visitor", String, text)
-
-    def final_command(self, text: str) -> None:
-        """Online data."""
-        self._start_call("final_command", String, text)
+    # Online data.
+    notify = functools.partialmethod(_say, "notifications")
+    activation_event = functools.partialmethod(_say, "activation_event")
+    visitor = functools.partialmethod(_say, "visitor")
+    final_command = functools.partialmethod(_say, "final_command")
 
     def set_device(self, name: str, value: Any) -> None:
         """Home devices."""
@@ -125,6 +116,7 @@ class GlueNode:
     """Follows the comm node's topics, and makes the dummy prepare and execute. Raises BadParams."""
 
     def __init__(self) -> None:
+        log_to_ros()
         params = NodeParams()
         usual = DummyOptions()
         options = DummyOptions(
@@ -269,13 +261,4 @@ def log_to_ros() -> None:
 
 def main() -> None:
     """Entry point of the node."""
-    explain(__doc__)
-    connections.init_node("dummy_robot", disable_signals=True)
-    log_to_ros()
-    try:
-        status = GlueNode().run()
-    except BadParams as error:
-        for line in str(error).splitlines():
-            rospy.logfatal("%s", line)
-        status = 1
-    sys.exit(status)
+    run_node("dummy_robot", __doc__, GlueNode, disable_signals=True)

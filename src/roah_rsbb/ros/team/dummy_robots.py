@@ -9,15 +9,13 @@ box's files: benchmarks_file, schedule_file, passwords_file.
 
 import asyncio
 import ipaddress
-import sys
 
 import rospy
 
 from roah_rsbb.ground.params import BadParams
 from roah_rsbb.robot.client import RobotClient
 from roah_rsbb.robot.dummy import DummyOptions, dummy_client
-from roah_rsbb.ros import connections
-from roah_rsbb.ros.node import NodeParams, RosLoop, explain
+from roah_rsbb.ros.node import NodeParams, RosLoop, run_node
 from roah_rsbb.ros.team.dummy_glue import log_to_ros
 from roah_rsbb.rulebook.benchmarks import teams_of
 from roah_rsbb.rulebook.config import ConfigErrors, load
@@ -28,16 +26,20 @@ MOST = 200
 
 
 class DummyRobotsNode:
-    """The robots, from the node's parameters to its end. Raises BadParams or ConfigErrors at the start."""
+    """The robots, from the node's parameters to its end. Raises BadParams at the start."""
 
     def __init__(self) -> None:
+        log_to_ros()
         params = NodeParams()
         count = params.whole("robots", 1, 1, MOST)
         options = DummyOptions(execute_duration=params.number("execute_duration", DummyOptions.execute_duration))
         host, port = params.text("rsbb_host", "127.255.255.255"), params.whole("rsbb_port", 6666, 1, 65535)
         files = [params.path(f"{name}_file") for name in ("benchmarks", "schedule", "passwords")]
         params.done()
-        config, _ = load(*files)  # the core reports the warnings
+        try:
+            config, _ = load(*files)  # the core reports the warnings
+        except ConfigErrors:
+            raise BadParams("no dummy robots: the configuration is invalid, see the errors of the core") from None
         teams = teams_of(config)
         if count > len(teams):
             rospy.logwarn("%d dummy robots instead of %d: %s has no more teams", len(teams), count, files[2])
@@ -70,16 +72,4 @@ class DummyRobotsNode:
 
 def main() -> None:
     """Entry point of the node."""
-    explain(__doc__)
-    connections.init_node("dummy_robots", disable_signals=True)
-    log_to_ros()
-    try:
-        status = DummyRobotsNode().run()
-    except BadParams as error:
-        for line in str(error).splitlines():
-            rospy.logfatal("%s", line)
-        status = 1
-    except ConfigErrors:
-        rospy.logfatal("no dummy robots: the configuration is invalid, see the errors of the core")
-        status = 1
-    sys.exit(status)
+    run_node("dummy_robots", __doc__, DummyRobotsNode, disable_signals=True)

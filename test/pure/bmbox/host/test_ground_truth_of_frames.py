@@ -73,6 +73,8 @@ def test_the_latest_pose_counts_and_a_team_has_its_own_marker():
     assert found.for_team("Reds").pose("robot") == Pose3(4.0, 4.0, 0.0, 0.0)
     assert found.for_team("Blues").pose("robot") == HERE
     assert found.check(["robot"]) == ([], [])
+    found.use(CONFIG._replace(markers={}))
+    assert found.check(["robot"]) == ([], []), "the marker of a team alone will do"
 
 
 def test_an_earlier_pose():
@@ -121,7 +123,7 @@ def test_a_pose_that_is_not_finite():
 def test_frames_name_the_remedy():
     with pytest.raises(NoPose, match="^robot: frame 'm_robot' was never seen: place it$"):
         truth().pose("robot")
-    elsewhere = FramesGroundTruth(CONFIG._replace(reference_frame="nowhere"), ListedFrames(("m_robot", NOW, HERE)))
+    elsewhere = FramesGroundTruth(CONFIG._replace(reference_frame="nowhere"), ListedFrames())
     assert elsewhere.check(["robot"]) == (
         [], ["ground truth: reference frame 'nowhere' was never seen: start it"])
 
