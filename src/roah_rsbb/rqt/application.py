@@ -35,7 +35,7 @@ def make_application(argv: List[str]) -> QApplication:
     """Create Qt's application: sharp on high-density screens, and not ended by an error in one panel."""
     QApplication.setAttribute(Qt.AA_EnableHighDpiScaling)
     QApplication.setAttribute(Qt.AA_UseHighDpiPixmaps)
-    app = QApplication(argv)
+    app = basic.dress(QApplication(argv))
     prepare()
     return app
 
@@ -141,6 +141,7 @@ def run_rqt(main: Any) -> NoReturn:
         window.save_settings_before_close_signal.connect(lambda *_: leave(node, 0))
         add_providers()
 
-    main.create_application, main._add_plugin_providers = lambda argv: grow(create(argv)), add_plugin_providers
+    main.create_application, main._add_plugin_providers = (
+        lambda argv: grow(basic.dress(create(argv)))), add_plugin_providers
     end_at_signals(node, 0.0)
     leave(node, main.main())

@@ -59,6 +59,58 @@ OFF = Tone("transparent", "palette(text)")
 ON = Tone("palette(text)", "palette(base)")  # what is on, and the next action: ink, as --action
 # Text of a disabled button, legible on light and dark desktops.
 FADED = "#8c8c8c"
+# Surfaces, edges and texts, by the tokens of the pages, whose names have dashes: in light and in dark windows.
+SURFACES = {
+    "surface_page": ("#eceff2", "#0c1015", [QPalette.Window]),
+    "surface_sheet": ("#ffffff", "#141a21", [QPalette.Base, QPalette.ToolTipBase]),
+    "surface_raised": ("#ffffff", "#1c242d", [QPalette.Button, QPalette.Light]),
+    "surface_well": ("#f3f5f7", "#0f141a", [QPalette.AlternateBase]),
+    "line": ("#d6dbe1", "#2a343f", [QPalette.Midlight]),
+    "line_control": ("#78838f", "#6f7d8b", [QPalette.Mid, QPalette.Dark]),
+    "text": ("#14191f", "#eef2f6", [QPalette.WindowText, QPalette.Text, QPalette.ButtonText, QPalette.ToolTipText,
+                                    QPalette.Highlight]),
+    "action_text": ("#ffffff", "#0c1015", [QPalette.HighlightedText]),
+}
+# The type scale of the pages: relative to the desktop's font, steps of 1.2.
+TEXT, LEAD, TITLE, FIGURE = 1.0, 1.2, 1.44, 1.728
+# What all parts share. Lengths are in units of the font of each part.
+LOOK = f"""
+QPushButton, QToolButton {{ background: palette(button); border: 1px solid palette(mid); border-radius: 0.4em;
+    padding: 0.15em 0.5em; }}
+QPushButton:hover, QPushButton:focus, QToolButton:hover {{ border-color: palette(text); }}
+QPushButton:pressed, QToolButton:pressed {{ background: palette(midlight); }}
+QPushButton:disabled, QToolButton:disabled {{ background: transparent; color: {FADED};
+    border-color: palette(midlight); }}
+QToolButton::menu-indicator {{ image: none; }}
+QGroupBox {{ background: palette(base); border: 1px solid palette(midlight); border-radius: 0.5em;
+    margin-top: 1.4em; }}
+QGroupBox::title {{ subcontrol-origin: margin; left: 0; }}
+QPlainTextEdit, QTextEdit, QTableView {{ border: 1px solid palette(midlight); background: palette(base); }}
+QHeaderView::section {{ background: palette(alternate-base); border: none; border-bottom: 1px solid palette(mid);
+    padding: 0.15em 0.4em; font-weight: bold; }}
+QTabBar::tab {{ padding: 0.3em 0.7em; border: none; border-top: 0.2em solid transparent; }}
+QTabBar::tab:selected {{ border-top-color: palette(text); background: palette(base); }}
+QTabBar::tab:hover:!selected {{ background: palette(midlight); }}
+QMainWindow::separator {{ background: palette(midlight); width: 5px; height: 5px; margin: 2px; }}
+QToolBar {{ border: none; }}
+"""
+
+
+def dress(app: QApplication) -> QApplication:
+    """Give a program the surfaces and the parts of the pages; returns it. Colours that the desktop chose decide between
+    light and dark."""
+    is_dark = app.palette().color(QPalette.Window).lightness() < 128
+    palette = app.palette()
+    for light, dark, roles in SURFACES.values():
+        for role in roles:
+            palette.setColor(role, QColor(dark if is_dark else light))
+    for role in (QPalette.WindowText, QPalette.Text, QPalette.ButtonText):
+        palette.setColor(QPalette.Disabled, role, QColor(FADED))
+    app.setStyle("Fusion")
+    app.setPalette(palette)
+    app.setStyleSheet(LOOK)
+    return app
+
 
 # No text of a referee is smaller, in points, or in pixels where the desktop's font is given in pixels.
 LEAST_PT, LEAST_PX = 9.0, 12
@@ -288,7 +340,7 @@ class Badge(ShortenedLabel):
 class Notices(QTextEdit):
     """Lines of text, with warnings marked. A long list scrolls instead of growing."""
 
-    def __init__(self, factor: float = 1.2) -> None:
+    def __init__(self, factor: float = LEAD) -> None:
         super().__init__()
         enlarged(self, factor)
         self.setReadOnly(True)
@@ -374,7 +426,6 @@ class MenuButton(QToolButton):
         self.setText(text)
         self.setFocusPolicy(Qt.TabFocus)
         self.setPopupMode(QToolButton.InstantPopup)
-        set_style(self, "QToolButton::menu-indicator { image: none; }")
         self.entries = QMenu(self)
         self.setMenu(self.entries)
 
@@ -386,7 +437,7 @@ class CommandButton(QPushButton):
     """A button that gives a command, by `pressed()`. While it is disabled its tooltip lists the reasons."""
 
     def __init__(
-        self, text: str, explanation: str, factor: float = 1.3, pressed: Optional[Callable[[], object]] = None,
+        self, text: str, explanation: str, factor: float = LEAD, pressed: Optional[Callable[[], object]] = None,
     ) -> None:
         super().__init__(text)
         if pressed is not None:
@@ -394,7 +445,7 @@ class CommandButton(QPushButton):
         enlarged(self, factor, bold=True)
         # Tab reaches it, but a click does not focus it: a stray space bar does nothing.
         self.setFocusPolicy(Qt.TabFocus)
-        self._explanation = explanation
+        self.explanation = explanation
         self._allowed = False
         self.why_off = ""  # one reason per line; empty: it is enabled
         self._held = QTimer(self, singleShot=True, timeout=self._apply)
@@ -402,7 +453,7 @@ class CommandButton(QPushButton):
 
     def sizeHint(self) -> QSize:
         """Keep space around the text, also where a style sheet removes the platform's."""
-        room = round(2.4 * self.fontMetrics().height())
+        room = round(2.2 * self.fontMetrics().height())
         return QSize(self.fontMetrics().horizontalAdvance(self.text()) + round(1.5 * em()), room)
 
     def minimumSizeHint(self) -> QSize:
@@ -413,7 +464,7 @@ class CommandButton(QPushButton):
         """Enable or disable it. `tone`: colour while enabled."""
         self._allowed = allowed
         self.why_off = "" if allowed else texts.bullets(reasons or (tr("Not possible now"),))
-        self.setToolTip(tip(self.why_off or self._explanation))
+        self.setToolTip(tip(self.why_off or self.explanation))
         on = allowed and tone is not None
         set_style(self, _button_style(tone) if on else "")
         self._apply()
@@ -437,12 +488,7 @@ class CommandButton(QPushButton):
 
 
 def _button_style(tone: Tone) -> str:
-    return (
-        f"QPushButton {{ {tone.css} border: 0.15em solid {tone.background};"
-        " border-radius: 0.3em; }"
-        f"QPushButton:hover, QPushButton:focus {{ border-color: {tone.text}; }}"
-        f"QPushButton:disabled {{ background: palette(button); color: {FADED}; border-color: {FADED}; }}"
-    )
+    return f"QPushButton:enabled {{ {tone.css} border-color: {tone.background}; }}"
 
 
 class MarkedTitle:

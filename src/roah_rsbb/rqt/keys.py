@@ -74,7 +74,7 @@ class StopPrompt(QLabel):
         super().__init__(None, Qt.ToolTip | Qt.WindowStaysOnTopHint | Qt.WindowTransparentForInput, wordWrap=True,
                          textFormat=Qt.PlainText)
         self.setAttribute(Qt.WA_ShowWithoutActivating)
-        basic.enlarged(self, 1.6, bold=True)
+        basic.enlarged(self, basic.TITLE, bold=True)
         self._timer = QTimer(self, singleShot=True, timeout=self.hide)
 
     def say(self, text: str, tone: basic.Tone, for_s: float) -> None:
@@ -113,8 +113,8 @@ class KeysPage(QDialog):
         grid = QGridLayout(self)
         grid.setHorizontalSpacing(round(1.5 * basic.em()))
         for row, (key, text) in enumerate(KEYS):
-            grid.addWidget(basic.enlarged(QLabel(tr(key)), 1.2, bold=True), row, 0, Qt.AlignTop)
-            what = basic.enlarged(QLabel(tr(text), wordWrap=True), 1.2)
+            grid.addWidget(basic.enlarged(QLabel(tr(key)), basic.LEAD, bold=True), row, 0, Qt.AlignTop)
+            what = basic.enlarged(QLabel(tr(text), wordWrap=True), basic.LEAD)
             grid.addWidget(what, row, 1)
         grid.setColumnStretch(1, 1)
         buttons = QDialogButtonBox(QDialogButtonBox.Close)

@@ -22,7 +22,7 @@ NOT_IN_WINDOWS = {
 NOT_TEXTS = {
     "Esc", "Shift+Esc", "UTC", "{} UTC", "OK", "PANEL", "{}Panel",
     "Devices", "{} – RoAH RSBB", "WARNING", "ERROR", "ALL", "all robots",
-    "unable to connect to service", "unable to contact master",
+    "Fusion", "unable to connect to service", "unable to contact master",
     "transport error",
 }
 

@@ -21,6 +21,8 @@ def test_windows_have_the_colours_of_the_pages() -> None:
                   "warning-wash": (basic.OLD, "warning"), "warning": (basic.ALARM, "warning-wash")})
     for background, (tone, text) in tones.items():
         assert tone == (TOKENS[background], TOKENS[text]), background
+    for name, (light, dark, _roles) in basic.SURFACES.items():
+        assert (light, dark) == tuple(tokens[name.replace("_", "-")] for tokens in (TOKENS, DARK)), name
 
 
 @pytest.mark.parametrize("path", [

@@ -44,7 +44,7 @@ from roah_rsbb.rqt.keys import FocusRing
 from roah_rsbb.rqt.node import WindowNode
 from roah_rsbb.rqt.panels import PANELS, load
 from roah_rsbb.rqt.panels.overview import OverviewPanel
-from roah_rsbb.rqt.panels.score_sheet import ARRANGEMENTS, SheetView
+from roah_rsbb.rqt.panels.score_sheet import SheetView
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
 from roah_rsbb.rqt.panels.texts import LogDisplayPanel, OnlineDataPanel
 from roah_rsbb.rqt.panels.whole_box import ActiveRobotsPanel, CoreStatusPanel, ReloadDialog, TabletStatusPanel
@@ -90,7 +90,7 @@ class TestFocusRing(unittest.TestCase):
 
 
 class Row(QWidget):
-    """A row of a score sheet that is far higher unless it is compact."""
+    """A row of a score sheet."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
@@ -98,12 +98,6 @@ class Row(QWidget):
         self.button = QPushButton("Yes")
         line.addWidget(QLabel(text, wordWrap=True), 1)
         line.addWidget(self.button)
-        self.set_compact(False)
-
-    def set_compact(self, is_compact: bool) -> None:
-        font = self.button.font()
-        font.setPointSizeF(9.0 if is_compact else 22.0)
-        self.button.setFont(font)
 
 
 class TestReplay(CoreCase):
@@ -147,19 +141,19 @@ class TestSheetView(unittest.TestCase):
             for number in range(6):
                 view.add(group, Row(f"{number} something that a robot does, in words that need two lines"))
         show(view, 900, 1400)
-        view.arrangement = None  # as of a new sheet, however much Qt has handled since the window was shown
+        view.columns = 0  # as of a new sheet, however much Qt has handled since the window was shown
         view.settle()
         needed = view._needed()
-        self.assertEqual(view.arrangement, ARRANGEMENTS[0])
+        self.assertEqual(view.columns, 1)
         QApplication.processEvents()
         self.assertEqual(needed, view._needed())
         for height in (needed, needed // 3, needed // 2, needed, needed // 2, needed // 3, needed // 2):
             view.resize(900, height)
             view._settle()
-            at_once = view.arrangement
+            at_once = view.columns
             QApplication.processEvents()
             view._settle()
-            self.assertEqual(at_once, view.arrangement, f"at {height} of {needed}")
+            self.assertEqual(at_once, view.columns, f"at {height} of {needed}")
 
 
 class TestGarbage(unittest.TestCase):

@@ -198,7 +198,7 @@ class TestManyZones(WindowCase):
         wait_until(lambda: all(tile.phase.text().startswith("●") for tile in overview.tiles.values()), "all are shown")
         self.wait_quiet()
         for name, tile in overview.tiles.items():
-            shown = tile.name.text() if tile.compact else f"{tile.name.text()}  ·  {tile.event.text()}"
+            shown = f"{tile.name.shown()}  ·  {tile.event.shown()}"
             zone, team = shown.replace("◆ ", "").split("  ·  ")[:2]
             self.assertGreaterEqual(len(zone), 6, shown)
             self.assertGreaterEqual(len(team), 4, shown)
@@ -206,4 +206,4 @@ class TestManyZones(WindowCase):
             self.assertTrue("TestingTeam".startswith(team.rstrip("…")), shown)
             for label in (tile.name, tile.phase, tile.countdown):
                 self.assertTrue(tile.rect().contains(label.geometry()), f"{name}: {label.text()} is cut off")
-            self.assertLessEqual(tile.name.fontMetrics().horizontalAdvance(tile.name.text()), tile.name.width(), shown)
+            self.assertLessEqual(tile.name.fontMetrics().horizontalAdvance(tile.name.shown()), tile.name.width(), shown)

@@ -232,7 +232,7 @@ class TestUndo(WindowCase):
         self.zone.mark(Mark(*BUMPS, 1), "Anna")
         wait_until(lambda: self.scoring.undo.buttons, "the mark is shown")
         self.assertFalse(self.scoring.undo.buttons[0].isEnabled())
-        self.scoring.undo.places[0].held.start(0)  # that time is over
+        self.scoring.undo.buttons[0].let_go()  # that time is over
         wait_until(self.scoring.undo.buttons[0].isEnabled, "it can be undone a moment later")
 
     def test_equal_numbers_of_another_run_are_other_marks(self) -> None:
@@ -249,7 +249,7 @@ class TestUndo(WindowCase):
         show("Home B")
         show("Home A")
         limit(self, basic, "HOLD_MS", round(1000 * LONG_S))
-        undo.places[0].held.start(0)
+        undo.buttons[0].let_go()
         wait_until(undo.buttons[0].isEnabled, "it can be undone")
         self.client.model.choose_zone("Home B")
         self.assertEqual(len(undo.buttons), 1)
@@ -288,7 +288,7 @@ class TestTimes(WindowCase):
         self.assertEqual(times.main.label.text(), "Run: time left")
         self.zone.pause("manual operation")
         wait_until(lambda: "PAUSED: manual operation" in self.control.phase.text(), "the pause is shown")
-        self.assertIn("PAUSED", self.panel("OverviewPanel").tiles["Home A"]._phase_text)
+        self.assertIn("PAUSED", self.panel("OverviewPanel").tiles["Home A"].phase.text())
         self.zone.pause("")
         wait_until(lambda: "RUNNING" in self.control.phase.text(), "the run continues")
         self.after_the_end_the_final_time_is_the_largest_figure()

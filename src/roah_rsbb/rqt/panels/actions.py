@@ -87,7 +87,7 @@ class FormDialog(QDialog):
         """`text`: what it is about; `yes`: the button that confirms; empty: it can only be closed."""
         super().__init__(parent, windowTitle=title)
         self.setAttribute(Qt.WA_DeleteOnClose)
-        what = basic.enlarged(QLabel(text, wordWrap=True, textFormat=Qt.PlainText), 1.2, bold=True)
+        what = basic.enlarged(QLabel(text, wordWrap=True, textFormat=Qt.PlainText), basic.LEAD, bold=True)
         what.setMinimumWidth(round(WIDE_EMS * basic.em()))
         self.form = QFormLayout()
         buttons = QDialogButtonBox()
@@ -210,7 +210,8 @@ class RuleButtons(QWidget):
         row = basic.flat(QHBoxLayout(self))
         for action in (*others(Row.CLOCK), *others(Row.MODULE)):
             dots = " …" if entered(action.fields) else ""
-            button = basic.CommandButton(tr(action.label) + dots, tr(action.explanation), 1.1, partial(press, action))
+            button = basic.CommandButton(
+                tr(action.label) + dots, tr(action.explanation), basic.TEXT, partial(press, action))
             row.addWidget(button, 1)
             self.buttons[action.name] = button
         self.hide()
@@ -230,7 +231,7 @@ class MoreMenu(basic.MenuButton):
     """The team's robots to choose from, and the actions without a place of their own."""
 
     def __init__(self, connect_robot: Callable[[str], None], press: Callable[[Action], None]) -> None:
-        super().__init__("⋯", 1.3)
+        super().__init__("⋯", basic.LEAD)
         self.setToolTip(tr("Choose a robot, score without a robot, no-show"))
         self._connect_robot = connect_robot
         self.entries.setToolTipsVisible(True)

@@ -233,7 +233,7 @@ class BenchmarkControlPanel(Panel):
     """Zone selector, event, countdown, state and the commands of a run but STOP."""
 
     TITLE = tr_later("Benchmark Control")
-    WHERE_FACTOR = 1.4
+    WHERE_FACTOR = basic.LEAD
     WORKS_BEHIND = True
     PARTS = ("zone", "results")
 
@@ -243,9 +243,9 @@ class BenchmarkControlPanel(Panel):
         self._shown_zone = ""
         self._highlight = QTimer(self, singleShot=True, timeout=lambda: basic.set_style(self.zones, ""))
         self.event_labels: Dict[str, QLabel] = {}
-        self.phase = basic.Badge(1.8)
+        self.phase = basic.Badge(basic.TITLE)
         self.times = TimesWidget()
-        self.state = basic.Notices(1.3)
+        self.state = basic.Notices()
         self.answer = AnswerLine()
         self.reason = StopReasonLine(self, self.answer)
         self.buttons = {name: self._button(c) for name, c in COMMANDS.items()}
@@ -270,7 +270,7 @@ class BenchmarkControlPanel(Panel):
     # -- layout -------------------------------------------------------------------------------------
 
     def _lay_out(self) -> None:
-        basic.enlarged(self.zones, 1.5, bold=True)
+        basic.enlarged(self.zones, basic.TITLE, bold=True)
         self.zones.setFocusPolicy(Qt.TabFocus)
         self.body.addWidget(self.zones)
         self.body.addLayout(self._event_grid())
@@ -284,7 +284,7 @@ class BenchmarkControlPanel(Panel):
         connect.addWidget(self.more)
         commands.addLayout(connect, 0, 0)
         commands.addWidget(self.buttons["disconnect"], 1, 0)
-        start = basic.enlarged(self.buttons["start"], 1.9, bold=True)
+        start = basic.enlarged(self.buttons["start"], basic.FIGURE, bold=True)
         start.setSizePolicy(QSizePolicy.Preferred, QSizePolicy.Expanding)
         commands.addWidget(start, 0, 1, 2, 1)
         commands.setColumnStretch(0, 1)
@@ -299,7 +299,7 @@ class BenchmarkControlPanel(Panel):
 
     def _event_grid(self) -> QGridLayout:
         grid = QGridLayout()
-        for row, (name, factor) in enumerate((("name", 1.3), ("team", 1.8), ("facts", 1.1))):
+        for row, (name, factor) in enumerate((("name", basic.LEAD), ("team", basic.FIGURE), ("facts", basic.TEXT))):
             label = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), factor, bold=name != "facts")
             label.setMinimumWidth(1)
             grid.addWidget(label, row, 0, 1, 2 if name == "facts" else 1)
@@ -311,7 +311,7 @@ class BenchmarkControlPanel(Panel):
 
     def _button(self, action: Action) -> basic.CommandButton:
         explanation = tr(action.explanation) + (f" ({tr(START_KEYS)})" if action.name == "start" else "")
-        return basic.CommandButton(tr(action.label), explanation, 1.0 if action.name in SMALL else 1.3,
+        return basic.CommandButton(tr(action.label), explanation, basic.TEXT if action.name in SMALL else basic.LEAD,
                                    partial(self._press, action.name))
 
     def _key(self, key: str, service: str) -> TwiceKey:

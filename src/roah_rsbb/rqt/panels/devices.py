@@ -46,13 +46,13 @@ class DeviceRow(QWidget):
         self.change = change
         self.commands: List[basic.CommandButton] = []
         self.line = basic.flat(QHBoxLayout(self))
-        title = basic.enlarged(QLabel(self.name, textFormat=Qt.PlainText), 1.3, bold=True)
+        title = basic.enlarged(QLabel(self.name, textFormat=Qt.PlainText), basic.LEAD, bold=True)
         title.setMinimumWidth(round(NAME_EMS * basic.em()))
         self.line.addWidget(title)
 
     def add_command(self, text: str, value: int) -> basic.CommandButton:
         """Add a button that asks for `value`."""
-        button = basic.CommandButton(text, f"{text}: {self.name}", 1.2, lambda: self.change(value))
+        button = basic.CommandButton(text, f"{text}: {self.name}", basic.TEXT, lambda: self.change(value))
         button.setMinimumWidth(round(COMMAND_EMS * basic.em()))
         self.commands.append(button)
         self.line.addWidget(button)
@@ -72,7 +72,7 @@ class TwoStateRow(DeviceRow):
 
     def __init__(self, device: str, change: Callable[[int], None]) -> None:
         super().__init__(device, change)
-        self.state = basic.Badge(1.3)
+        self.state = basic.Badge(basic.LEAD)
         self.state.setMinimumWidth(round(6 * basic.em()))
         self.line.addWidget(self.state, 1)
         for text, value in whole_box.device_commands(device):
@@ -109,7 +109,7 @@ class PercentageRow(DeviceRow):
         self.slider.setTracking(False)
         self.slider.setMinimumWidth(round(8 * basic.em()))
         self.slider.setFocusPolicy(Qt.TabFocus)
-        self.number = basic.enlarged(_Number(), 1.4, bold=True)
+        self.number = basic.enlarged(_Number(), basic.LEAD, bold=True)
         self.number.setRange(0, PERCENT)
         self.number.setSuffix(" %")
         self.number.setAlignment(Qt.AlignRight)
@@ -171,8 +171,8 @@ class DevicesPanel(Panel):
     def __init__(self, client) -> None:
         super().__init__(client)
         self._edits: Edits[float] = Edits(lambda until_mono: time.monotonic() > until_mono)
-        self.connection = basic.Badge(1.2)
-        self.reason = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), 1.1)
+        self.connection = basic.Badge(basic.LEAD)
+        self.reason = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), basic.TEXT)
         self.body.addWidget(self.connection)
         self.body.addWidget(self.reason)
         self.rows: Dict[str, DeviceRow] = {}
@@ -195,10 +195,10 @@ class DevicesPanel(Panel):
 
     def _bell_line(self) -> QHBoxLayout:
         line = QHBoxLayout()
-        title = basic.enlarged(QLabel(tr(whole_box.BELL)), 1.3, bold=True)
+        title = basic.enlarged(QLabel(tr(whole_box.BELL)), basic.LEAD, bold=True)
         title.setMinimumWidth(round(NAME_EMS * basic.em()))
-        self.bell = basic.Badge(1.3)
-        self.ring = basic.CommandButton(tr(whole_box.RING), tr("Ring the bell"), 1.2, self._ring)
+        self.bell = basic.Badge(basic.LEAD)
+        self.ring = basic.CommandButton(tr(whole_box.RING), tr("Ring the bell"), basic.TEXT, self._ring)
         line.addWidget(title)
         line.addWidget(self.bell, 1)
         line.addWidget(self.ring)

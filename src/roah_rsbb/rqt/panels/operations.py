@@ -124,16 +124,17 @@ class ManualOperationPanel(Panel):
         self._asked.replaceWidget(self.form, form)
         self.form, self.buttons = form, []
         form.setVisible(bool(form.editors))
-        basic.enlarged(self.text, 1.2 if form.editors else 1.8, bold=True)  # a form must be in sight, too
+        # A form must be in sight, too.
+        basic.enlarged(self.text, basic.LEAD if form.editors else basic.FIGURE, bold=True)
         for editor in form.editors.values():
-            basic.enlarged(editor, 1.3)
+            basic.enlarged(editor, basic.LEAD)
             if isinstance(editor, QLineEdit):
                 editor.returnPressed.connect(self._on_return)
         answers: List[Tuple[str, Dict[str, str]]] = [(tr(COMPLETE_WITH if asked else COMPLETE), {})]
         if only:
             answers = [(choice, {only.name: choice}) for choice in only.choices]
         for text, chosen in answers:
-            button = basic.CommandButton(text, tr("Confirm that it is done. The run continues."), 1.5,
+            button = basic.CommandButton(text, tr("Confirm that it is done. The run continues."), basic.TITLE,
                                          partial(self._complete, chosen))
             self._line.addWidget(button)
             self.buttons.append(button)
@@ -192,7 +193,7 @@ class OmfSwitchesPanel(Panel):
 
     def __init__(self, client) -> None:
         super().__init__(client)
-        self.hint = basic.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignCenter), 1.2)
+        self.hint = basic.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignCenter), basic.LEAD)
         self.body.addWidget(self.hint)
         grid = QGridLayout()
         self.switches: List[basic.CommandButton] = [self._switch(number) for number in range(1, SWITCHES + 1)]
@@ -203,21 +204,21 @@ class OmfSwitchesPanel(Panel):
         self.answer = AnswerLine()
         self.body.addWidget(self.answer)
         self.complete = basic.CommandButton(
-            tr("✔ Confirm switches"), tr("Confirm that the entries are correct"), 1.5, self._confirm)
+            tr("✔ Confirm switches"), tr("Confirm that the entries are correct"), basic.TITLE, self._confirm)
         self.body.addWidget(self.complete)
         self.body.addStretch(1)
 
     def _switch(self, number: int) -> basic.CommandButton:
-        return basic.CommandButton(str(number), tr("The robot pressed switch {number}", number=number), 1.4,
+        return basic.CommandButton(str(number), tr("The robot pressed switch {number}", number=number), basic.LEAD,
                                    partial(self._press, number))
 
     def _damaged_line(self) -> QHBoxLayout:
         line = QHBoxLayout()
-        line.addWidget(basic.enlarged(QLabel(tr("Damaged switches")), 1.2), 1)
-        self.less = basic.CommandButton("−", tr("One fewer damaged switch"), 1.3, partial(self._damage, -1))
-        self.damaged = basic.enlarged(QLabel("0", alignment=Qt.AlignCenter), 1.6, bold=True)
+        line.addWidget(basic.enlarged(QLabel(tr("Damaged switches")), basic.LEAD), 1)
+        self.less = basic.CommandButton("−", tr("One fewer damaged switch"), basic.LEAD, partial(self._damage, -1))
+        self.damaged = basic.enlarged(QLabel("0", alignment=Qt.AlignCenter), basic.TITLE, bold=True)
         self.damaged.setMinimumWidth(round(3 * basic.em()))
-        self.more = basic.CommandButton("+", tr("One more damaged switch"), 1.3, partial(self._damage, 1))
+        self.more = basic.CommandButton("+", tr("One more damaged switch"), basic.LEAD, partial(self._damage, 1))
         for widget in (self.less, self.damaged, self.more):
             line.addWidget(widget)
         return line

@@ -10,7 +10,6 @@ from roah_rsbb.rqt.panels.panel import CollapsingPanel
 from roah_rsbb.rqt.panels.run_times import known, marked, phase_look, tone_of
 from roah_rsbb.rqt.qt import (
     QApplication,
-    QFontMetrics,
     QFrame,
     QGridLayout,
     QLabel,
@@ -26,20 +25,15 @@ from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import Clock, clock_lines
 from roah_rsbb.wording.todo import Todo, Urgency, todo
 
-# Size of a tile at scale 1, in units of the desktop's font. A compact tile is lower.
-HIGH_EMS = 5.6
-COMPACT_EMS = 3.7
-WIDE_EMS = 20.0
+# Size of a tile at scale 1, in units of the desktop's font.
+HIGH_EMS, WIDE_EMS = 5.6, 20.0
 LINES = {
     Urgency.DO: (tr_later("☛ DO NOW: "), basic.ALARM),
     Urgency.LOOK: ("⚠ ", basic.OLD),
-    Urgency.POSSIBLE: ("→ ", basic.ON),
+    Urgency.POSSIBLE: ("→ ", basic.OFF),
     Urgency.NONE: ("", basic.OFF),
 }
 CHOSEN = "◆ "
-# The share of a compact tile's width that what to do needs; beyond that the phase shrinks to its symbol.
-MOST_OF_TILE = 0.5
-BETWEEN = "  ·  "
 
 
 class ZoneTile(QFrame):
@@ -50,53 +44,44 @@ class ZoneTile(QFrame):
     def __init__(self, zone: str) -> None:
         super().__init__()
         self.zone = zone
-        self._texts = (zone, "", "")  # zone, team, event
-        self._phase_text = ""
         self.setObjectName(f"zone {zone}")
         self.setFocusPolicy(Qt.TabFocus)
         self.setCursor(Qt.PointingHandCursor)
         self.setToolTip(basic.tip(tr("Show {zone} in all panels of this client", zone=zone)))
         self.setAccessibleName(zone)
-        self.name, self.countdown, self.event = QLabel(), QLabel(alignment=Qt.AlignRight), QLabel()
+        self.name, self.event = basic.ShortenedLabel(), basic.ShortenedLabel()
+        self.countdown = QLabel(alignment=Qt.AlignRight, textFormat=Qt.PlainText)
         self.phase = basic.Badge()
         self.todo = basic.FilledLabel()
-        for label in (self.name, self.countdown, self.event):
-            label.setTextFormat(Qt.PlainText)
         for label in (self.name, self.event):
             label.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)
         self._grid = grid = QGridLayout(self)
         grid.setVerticalSpacing(round(0.1 * basic.em()))
-        grid.addWidget(self.event, 1, 1, 1, 2)
-        grid.setColumnStretch(1, 1)
-        self.scale(1.0, False)
+        grid.addWidget(self.name, 0, 0, 1, 2)
+        grid.addWidget(self.countdown, 0, 2)
+        grid.addWidget(self.event, 1, 0)
+        grid.addWidget(self.phase, 1, 1, 1, 2)
+        grid.addWidget(self.todo, 2, 0, 1, 3)
+        grid.setColumnStretch(0, 1)
+        grid.setRowStretch(2, 1)
+        self.scale(1.0)
 
-    def scale(self, factor: float, compact: bool) -> None:
-        """Scale the tile relative to the desktop's font; `compact`: in two lines."""
-        self.compact = compact
-        self.event.setVisible(not compact)
-        self._grid.addWidget(self.name, 0, 0, 1, 3 if compact else 2)
-        self._grid.addWidget(self.phase, 1, 0)
-        self._grid.addWidget(self.countdown, 1 if compact else 0, 2)
-        if compact:
-            self._grid.addWidget(self.todo, 1, 1)
-        else:
-            self._grid.addWidget(self.todo, 2, 0, 1, 3)
-        for row in (1, 2):
-            self._grid.setRowStretch(row, 1 if row == (1 if compact else 2) else 0)
-        edge = round((0.15 if compact else 0.35) * basic.em())
+    def scale(self, factor: float) -> None:
+        """Scale the tile relative to the desktop's font."""
+        edge = round(0.35 * factor * basic.em())
         self._grid.setContentsMargins(edge, edge, edge, edge)
-        for label, share, bold in ((self.name, 1.2 if compact else 1.4, True), (self.phase, 0.95, True),
-                                   (self.countdown, 1.15 if compact else 1.7, True), (self.event, 1.0, False)):
+        for label, share, bold in ((self.name, basic.LEAD, True), (self.phase, basic.TEXT, True),
+                                   (self.countdown, basic.TITLE, True), (self.event, basic.TEXT, False)):
             basic.enlarged(label, share * factor, bold)
-        self.todo.factor = (1.0 if compact else 1.15) * factor
+        self.todo.factor = factor
         self.todo.settle()
-        self.setMinimumHeight(round((COMPACT_EMS if compact else HIGH_EMS) * factor * basic.em()))
+        self.setMinimumHeight(round(HIGH_EMS * factor * basic.em()))
 
     def show_zone(self, zone: ZoneSeen, todo: Todo, chosen: bool, old: bool) -> None:
         """Show the zone. `chosen`: the other panels show it; `old`: the core is silent."""
         event = zone.event
-        self._texts = (f"{CHOSEN if chosen else ''}{zone.zone}", event.team,
-                       f"{event.team}  ·  {event.code}  ·  {sheets.turn(event.round, event.run)}")
+        self.name.setText(f"{CHOSEN if chosen else ''}{zone.zone}")
+        self.event.setText(f"{event.team}  ·  {event.code}  ·  {sheets.turn(event.round, event.run)}")
         mark, tone = LINES[todo.urgency]
         text = f"{tr(mark)}{todo.text}" + (f"   ({todo.more})" if todo.more else "")
         self.todo.show_text(text)
@@ -105,8 +90,8 @@ class ZoneTile(QFrame):
         basic.set_style(self.todo, f"{tone.css} padding: 0.1em 0.3em;")
         for label in (self.name, self.countdown, self.event, self.todo):
             label.setEnabled(not old)
-        border = "0.25em solid palette(highlight)" if chosen else "0.1em solid palette(mid)"
-        basic.set_style(self, f"ZoneTile {{ border: {border}; border-radius: 0.3em; }}"
+        border = "0.15em solid palette(text)" if chosen else "1px solid palette(midlight)"
+        basic.set_style(self, f"ZoneTile {{ border: {border}; border-radius: 0.5em; background: palette(base); }}"
                                 "ZoneTile:focus { border-style: dashed; }")
 
     def show_clock(self, zone: ZoneSeen, clock: Optional[Clock], old: bool) -> None:
@@ -117,32 +102,7 @@ class ZoneTile(QFrame):
         tone = None if old else tone_of(figure)
         basic.set_style(self.countdown, tone.css if tone else "")
         phase = phase_look(zone, clock)
-        self._phase_text = phase.text
         self.phase.show_text(phase.text, basic.IDLE if old else phase.tone)
-        self._fit()
-
-    def resizeEvent(self, event) -> None:
-        super().resizeEvent(event)
-        self._fit()
-
-    def _fit(self) -> None:
-        """Show zone and team first, elided if need be; the phase shrinks to its symbol where space is short."""
-        zone, team, event = self._texts
-        gap = self._grid.horizontalSpacing()
-        edges = self._grid.contentsMargins()
-        width = self.contentsRect().width() - edges.left() - edges.right()
-        beside_countdown = width - self.countdown.sizeHint().width() - gap
-        metrics = self.event.fontMetrics()
-        needed = MOST_OF_TILE * width if self.compact else metrics.horizontalAdvance(team)
-        self.phase.setText(self._phase_text)
-        if needed > (beside_countdown if self.compact else width) - self.phase.sizeHint().width() - gap:
-            self.phase.setText(self._phase_text[:1])
-        if self.compact:
-            self.name.setText(_both(zone, team, self.name.fontMetrics(), width))
-        else:
-            self.name.setText(self.name.fontMetrics().elidedText(zone, Qt.ElideRight, beside_countdown))
-            beside_phase = width - self.phase.sizeHint().width() - gap
-            self.event.setText(metrics.elidedText(event, Qt.ElideRight, beside_phase))
 
     def mouseReleaseEvent(self, event) -> None:
         if event.button() == Qt.LeftButton and self.rect().contains(event.pos()):
@@ -156,9 +116,8 @@ class ZoneTile(QFrame):
 
 
 NO_CALL = ("", -1)
-# Tiles grow with the panel, so that they can be read from a distance, up to the factor MOST. Where space is short they
-# are compact, and shrink to LEAST at the smallest.
-LEAST, MOST = 0.7, 3.5
+# Tiles grow with the panel, so that they can be read from a distance. Where space is short, they scroll.
+LEAST, MOST = 0.8, 3.5
 # Between two tiles, in units of the desktop's font.
 GAP_EMS = 0.3
 
@@ -168,16 +127,6 @@ class TileArrangement(NamedTuple):
 
     columns: int
     factor: float  # scale, relative to the desktop's font
-    compact: bool = False
-
-
-def _both(zone: str, team: str, metrics: QFontMetrics, width: int) -> str:
-    """Return zone and team in one line; where the width is too small for both, each has at least half of it."""
-    if metrics.horizontalAdvance(f"{zone}{BETWEEN}{team}") <= width:
-        return f"{zone}{BETWEEN}{team}"
-    width -= metrics.horizontalAdvance(BETWEEN)
-    zone = metrics.elidedText(zone, Qt.ElideRight, max(width // 2, width - metrics.horizontalAdvance(team)))
-    return f"{zone}{BETWEEN}{metrics.elidedText(team, Qt.ElideRight, width - metrics.horizontalAdvance(zone))}"
 
 
 class OverviewPanel(CollapsingPanel):
@@ -192,7 +141,7 @@ class OverviewPanel(CollapsingPanel):
         self.tiles: Dict[str, ZoneTile] = {}
         self._shape: Optional[TileArrangement] = None
         self._calls: Dict[str, Tuple[str, int]] = {}  # zone: identity of the run, number of the operation
-        self.head = basic.Badge(1.3)
+        self.head = basic.Badge(basic.LEAD)
         self.head.setAlignment(Qt.AlignLeft | Qt.AlignVCenter)  # if the text is too long, its beginning stays visible
         self.body.addWidget(self.head)
         self._inside = QWidget()
@@ -209,7 +158,7 @@ class OverviewPanel(CollapsingPanel):
         """Keep the line with the zones that need the referee, in the heading."""
         super().show_collapsed(is_collapsed)
         self._where.setVisible(not is_collapsed)
-        basic.enlarged(self.head, 1.0 if is_collapsed else 1.3, bold=True)
+        basic.enlarged(self.head, basic.TEXT if is_collapsed else basic.LEAD, bold=True)
         if is_collapsed:
             self.heading.insertWidget(1, self.head, 2)
         else:
@@ -288,7 +237,7 @@ class OverviewPanel(CollapsingPanel):
             return
         self._shape = shape
         for index, tile in enumerate(self.tiles.values()):
-            tile.scale(shape.factor, shape.compact)
+            tile.scale(shape.factor)
             self._grid.addWidget(tile, *divmod(index, shape.columns))
         for column in range(len(self.tiles)):
             self._grid.setColumnStretch(column, 1 if column < shape.columns else 0)
@@ -296,18 +245,10 @@ class OverviewPanel(CollapsingPanel):
 
 def best_arrangement(tiles: int, wide_ems: float, high_ems: float) -> TileArrangement:
     """Return the arrangement that fills an area best. Its size is in units of the desktop's font."""
-    full = _largest(tiles, wide_ems, high_ems, HIGH_EMS)
-    if full.factor >= 1.0:
-        return full._replace(factor=min(MOST, full.factor))
-    shape = _largest(tiles, wide_ems, high_ems, COMPACT_EMS)
-    return TileArrangement(shape.columns, min(1.0, max(LEAST, shape.factor)), compact=True)
-
-
-def _largest(tiles: int, wide_ems: float, high_ems: float, tile_ems: float) -> TileArrangement:
     def shape(columns: int) -> TileArrangement:
         rows = -(-tiles // columns)
-        room = min(high_ems / (rows * (tile_ems + GAP_EMS)), wide_ems / (columns * (WIDE_EMS + GAP_EMS)))
-        return TileArrangement(columns, math.floor(20 * room) / 20)
+        factor = min(high_ems / (rows * (HIGH_EMS + GAP_EMS)), wide_ems / (columns * (WIDE_EMS + GAP_EMS)))
+        return TileArrangement(columns, min(MOST, max(LEAST, math.floor(20 * factor) / 20)))
 
     # Among equals, prefer fewer columns: a list is easier to read.
     return max(map(shape, range(1, tiles + 1)), key=lambda shape: (shape.factor, -shape.columns))

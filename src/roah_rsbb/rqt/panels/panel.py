@@ -85,7 +85,7 @@ class Panel(QWidget):
     TITLE = ""
     TAB = ""  # a shorter title for the tabs of our window; empty: the title
     WHERE = ""  # the heading of a panel that shows no zone
-    WHERE_FACTOR = 1.0
+    WHERE_FACTOR = basic.TEXT
     PARTS: Tuple[str, ...] = ("zone",)  # what it shows: the zone, and fields of the document
     # Whether both are also called while the panel is behind others: it beeps there, has keys that work
     # everywhere, or keeps what it shows.

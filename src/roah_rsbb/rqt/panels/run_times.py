@@ -64,7 +64,7 @@ class _Time(QWidget):
         """Show a time. Brackets and grey show that it is old."""
         is_last = figure.hurry is Hurry.LAST
         self.label.setText(tr(_LAST, label=figure.label) if is_last else figure.label)
-        basic.enlarged(self.label, 1.0, bold=is_last)
+        basic.enlarged(self.label, basic.TEXT, bold=is_last)
         self.figure.setText(f"({figure.text})" if is_old else figure.text)
         self.figure.set_tone(None if is_old else tone_of(figure), framed=is_last)
         self.figure.setEnabled(not is_old)

@@ -2,6 +2,7 @@
 withdraw the last marks.
 """
 
+from functools import partial
 from typing import Callable, Dict, Hashable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.model.reason import MAX_NOTE
@@ -23,7 +24,6 @@ from roah_rsbb.rqt.qt import (
     QLabel,
     QLineEdit,
     QLocale,
-    QPushButton,
     QScrollArea,
     QSignalBlocker,
     QSize,
@@ -221,28 +221,18 @@ class _Group(NamedTuple):
     rows: List[QWidget]
 
 
-class SheetArrangement(NamedTuple):
-    """How the items are arranged."""
-
-    columns: int
-    is_compact: bool
-
-
-# The first arrangement that shows all items is used. The last one scrolls if necessary.
-ARRANGEMENTS = (SheetArrangement(1, False), SheetArrangement(1, True), SheetArrangement(2, True))
-
-
 class SheetView(QWidget):
     """The items of a score sheet in their groups, in one or two columns, so that all of them are visible. Disqualifying
     items stay visible even if the others must scroll. Incidents are in a drawer, which is closed at first: they are
-    seldom needed. A row has `set_compact(is_compact)`."""
+    seldom needed."""
 
     def __init__(self) -> None:
         super().__init__()
         self._groups: Dict[str, _Group] = {}
-        self.arrangement: Optional[SheetArrangement] = None
+        self.columns = 0
         self._area = QScrollArea(widgetResizable=True)
         self._area.setFrameShape(QFrame.NoFrame)
+        self._area.setFocusPolicy(Qt.NoFocus)  # its items have it
         self._area.setMinimumHeight(round(2 * basic.em()))
         self._pinned = QWidget()
         self.drawer = basic.button("", self._turn_drawer)
@@ -271,12 +261,12 @@ class SheetView(QWidget):
         self._inside = basic.flat(QVBoxLayout(inside))
         self._inside.addStretch(1)
         self._area.setWidget(inside)
-        self.arrangement = None
+        self.columns = 0
 
     def add(self, group: str, row: QWidget) -> None:
         """Add a row to a group. Call `settle` after the last one."""
         if group not in self._groups:
-            box = basic.enlarged(QGroupBox(group), 1.0, bold=True)
+            box = basic.enlarged(QGroupBox(group), basic.TEXT, bold=True)
             grid = QGridLayout(box)
             edge = round(0.3 * basic.em())
             grid.setContentsMargins(edge, edge, edge, edge)
@@ -315,8 +305,8 @@ class SheetView(QWidget):
 
     def settle(self) -> None:
         """Choose the number of columns, once the layout is up to date."""
-        self.arrangement = None
-        self._arrange(ARRANGEMENTS[0])
+        self.columns = 0
+        self._arrange(1)
         self._soon.start()
 
     def minimumSizeHint(self) -> QSize:
@@ -333,12 +323,9 @@ class SheetView(QWidget):
     def _settle(self) -> None:
         if not self._groups:
             return
-        is_wide = self.width() >= TWO_COLUMNS_EMS * basic.em()
-        for arrangement in ARRANGEMENTS:
-            if arrangement.columns == 1 or is_wide:
-                self._arrange(arrangement)
-                if self._needed() <= self.height():
-                    return
+        self._arrange(1)
+        if self._needed() > self.height() and self.width() >= TWO_COLUMNS_EMS * basic.em():
+            self._arrange(2)
 
     def _needed(self) -> int:
         """The height of all groups, at the present width."""
@@ -357,19 +344,18 @@ class SheetView(QWidget):
                    else layout.totalSizeHint().height() for layout in layouts]
         return sum(heights) + self.layout().spacing()
 
-    def _arrange(self, arrangement: SheetArrangement) -> None:
-        if arrangement == self.arrangement:
+    def _arrange(self, columns: int) -> None:
+        if columns == self.columns:
             return
-        self.arrangement = arrangement
+        self.columns = columns
         for name, group in self._groups.items():
             # A layout shows what is added to it only when Qt handles its next events; until then it has no height.
             group.box.setVisible(name != INCIDENTS or self.drawer.isChecked())
             for index, row in enumerate(group.rows):
-                row.set_compact(arrangement.is_compact)
-                group.grid.addWidget(row, *divmod(index, arrangement.columns))
+                group.grid.addWidget(row, *divmod(index, columns))
                 row.show()
             for column in range(2):
-                group.grid.setColumnStretch(column, 1 if column < arrangement.columns else 0)
+                group.grid.setColumnStretch(column, 1 if column < columns else 0)
 
 
 PLACES = 5
@@ -385,11 +371,6 @@ def placed(before: Sequence[Optional[HistoryEntry]], entries: Sequence[HistoryEn
     return places
 
 
-class _Place(NamedTuple):
-    button: QPushButton
-    held: QTimer
-
-
 class UndoRow(QWidget):
     """The last marks, as buttons that call `withdraw(entry)`.
 
@@ -401,62 +382,50 @@ class UndoRow(QWidget):
         super().__init__()
         self._withdraw = withdraw
         self._entries: List[Optional[HistoryEntry]] = [None] * PLACES
-        self._off = ""
         line = basic.flat(QHBoxLayout(self))
         line.setSpacing(round(0.2 * basic.em()))
-        self.places = [self._place(number) for number in range(PLACES)]
-        for place in self.places:
-            line.addWidget(place.button)
+        self._places = [basic.CommandButton("", "", basic.TEXT, partial(self._press, number))
+                        for number in range(PLACES)]
+        for button in self._places:
+            policy = QSizePolicy(QSizePolicy.Ignored, QSizePolicy.Expanding)
+            policy.setRetainSizeWhenHidden(True)
+            button.setSizePolicy(policy)
+            line.addWidget(button)
         self.setFixedHeight(round(2.7 * basic.em()))
 
     @property
-    def buttons(self) -> List[QPushButton]:
+    def buttons(self) -> List[basic.CommandButton]:
         """The buttons of all marks that can be undone."""
-        return [place.button for place, entry in zip(self.places, self._entries) if entry is not None]
-
-    def _place(self, number: int) -> _Place:
-        button = basic.enlarged(QPushButton(), 0.9)
-        button.setFocusPolicy(Qt.TabFocus)
-        button.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Expanding)
-        button.setEnabled(False)
-        button.clicked.connect(lambda: self._press(number))
-        held = QTimer(self, singleShot=True, timeout=self._apply)
-        return _Place(button, held)
+        return [button for button, entry in zip(self._places, self._entries) if entry is not None]
 
     def show_entries(self, entries: Sequence[HistoryEntry], now_utc_s: float, off: str) -> None:
         """Show these entries, the newest first. `off`: why nothing can be undone; empty: it can."""
         before, self._entries = self._entries, placed(self._entries, entries[:PLACES])
-        self._off = off
         newest = entries[0].number if entries else 0
-        for place, old, entry in zip(self.places, before, self._entries):
-            if entry is not None and (old is None or old.number != entry.number):
-                place.held.start(basic.HOLD_MS)  # a click may be meant for the mark that was here
-            self._show(place.button, entry, now_utc_s, newest)
-        self._apply()
+        for button, old, entry in zip(self._places, before, self._entries):
+            button.setVisible(entry is not None)
+            if entry is None:
+                continue
+            if old is None or old.number != entry.number:
+                button.hold()  # a click may be meant for the mark that was here
+            self._show(button, entry, now_utc_s, newest)
+            button.allow(not off, [off])
 
-    def _show(self, button: QPushButton, entry: Optional[HistoryEntry], now_utc_s: float, newest: int) -> None:
-        if entry is None:
-            button.setText("")
-            button.setToolTip("")
-            return
+    @staticmethod
+    def _show(button: basic.CommandButton, entry: HistoryEntry, now_utc_s: float, newest: int) -> None:
         ago = times.ago(now_utc_s - entry.utc_s)
         font = button.font()
         font.setBold(entry.number == newest)
         button.setFont(font)
-        metrics, room = QFontMetricsF(font), button.width() - basic.em()
+        metrics, room = QFontMetricsF(font), button.width() - 1.5 * basic.em()
         lines = (entry.item, f"↶ {sheets.change_text(entry)} ({ago})")  # in words it is too wide in some languages
         button.setText("\n".join(metrics.elidedText(line, Qt.ElideRight, room) for line in lines).replace("&", "&&"))
         more = tr("{group}, by {name}, entry {number} of the history",
                   group=entry.group, name=sheets.person(entry.who), number=entry.number)
-        button.setToolTip(basic.tip(f"{tr(UNDO, mark=sheets.mark_text(entry))} ({ago})\n{more}"))
-
-    def _apply(self) -> None:
-        for place, entry in zip(self.places, self._entries):
-            place.button.setEnabled(entry is not None and not self._off and not place.held.isActive())
+        button.explanation = f"{tr(UNDO, mark=sheets.mark_text(entry))} ({ago})\n{more}"
 
     def _press(self, number: int) -> None:
         entry = self._entries[number]
         if entry is not None:
-            self.places[number].held.start(basic.HOLD_MS)
-            self._apply()
+            self._places[number].hold()
             self._withdraw(entry)

@@ -3,7 +3,7 @@
 import enum
 import html
 from functools import partial
-from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Type, Union
+from typing import Callable, Dict, List, Optional, Sequence, Tuple, Type, Union
 
 from roah_rsbb.model.actions import ENTRIES
 from roah_rsbb.model.records import ScoreValue, SheetPoints
@@ -76,20 +76,9 @@ NO_JUDGE = ""
 POINTS_EMS, RATING_EMS = 3.0, 3.2
 
 
-class _Size(NamedTuple):
-    """Sizes of a row: fonts relative to the desktop's, lengths in units of it."""
-
-    text: float
-    button: float
-    number: float
-    high_ems: float
-    wide_ems: float  # of all controls but the menu
-    gap_ems: float
-
-
-_LARGE = _Size(1.2, 1.3, 1.6, 2.0, 9.0, 0.35)
+# Sizes of a row, in units of the font: height and width of all controls but the menu, and a gap.
+HIGH_EMS, WIDE_EMS, GAP_EMS = 1.8, 6.4, 0.15
 _MOST_WIDE = 1.6  # of a choice, whose texts may be long
-_COMPACT = _Size(1.0, 1.1, 1.3, 1.8, 6.4, 0.15)
 
 
 class ItemRow(QWidget):
@@ -117,7 +106,7 @@ class ItemRow(QWidget):
         self.points.setVisible(bool(item.points))
         self.line.addWidget(self.points)
         self._add_menu(ask)
-        self.set_compact(False)
+        self._set_sizes()
 
     def add_controls(self, item: SheetItem) -> None:
         """Add the controls of the item's type."""
@@ -132,21 +121,16 @@ class ItemRow(QWidget):
         self.line.addWidget(self.menu_button)
         self._buttons.append(self.menu_button)
 
-    def set_compact(self, is_compact: bool) -> None:
-        """Take less width and height, for sheets in two columns."""
-        size = _COMPACT if is_compact else _LARGE
-        em = basic.em()
-        basic.enlarged(self.text, size.text)
-        basic.enlarged(self.points, size.text)
-        self.points.setFixedWidth(round(POINTS_EMS * size.text * em))
+    def _set_sizes(self) -> None:
+        self.points.setFixedWidth(round(POINTS_EMS * basic.em()))
         for button in self._buttons:
-            basic.enlarged(button, size.button, bold=True)
-            button.setFixedHeight(round(size.high_ems * em))
-        self.line.setSpacing(round(size.gap_ems * em))
-        self.set_widths(size)
+            basic.enlarged(button, basic.TEXT, bold=True)
+            button.setFixedHeight(round(HIGH_EMS * basic.em()))
+        self.line.setSpacing(round(GAP_EMS * basic.em()))
+        self.set_widths(round(WIDE_EMS * basic.em()))
 
-    def set_widths(self, size: _Size) -> None:
-        """Set the widths of the controls."""
+    def set_widths(self, wide: int) -> None:
+        """Set the widths of the controls, which may have so many pixels."""
         raise NotImplementedError
 
     nothing: Value = 0  # the value at the beginning
@@ -190,8 +174,8 @@ class BoolRow(ItemRow):
         self._buttons = [self.toggle]
         self.line.addWidget(self.toggle)
 
-    def set_widths(self, size: _Size) -> None:
-        self.toggle.setFixedWidth(round(size.wide_ems * basic.em()))
+    def set_widths(self, wide: int) -> None:
+        self.toggle.setFixedWidth(wide)
 
     def score(self) -> None:
         self._change(1)
@@ -221,11 +205,10 @@ class CountRow(ItemRow):
         for widget in (self.less, self.number, self.more):
             self.line.addWidget(widget)
 
-    def set_widths(self, size: _Size) -> None:
-        basic.enlarged(self.number, size.number, bold=True)
-        width = round((size.wide_ems * basic.em() - 2 * self.line.spacing()) / 3)
+    def set_widths(self, wide: int) -> None:
+        basic.enlarged(self.number, basic.LEAD, bold=True)
         for widget in (self.less, self.number, self.more):
-            widget.setFixedWidth(width)
+            widget.setFixedWidth((wide - 2 * self.line.spacing()) // 3)
 
     def score(self) -> None:
         if _whole(self._value) < self._most:
@@ -262,8 +245,7 @@ class FieldRow(ItemRow):
         if text != self._value:
             self._change(text)
 
-    def set_widths(self, size: _Size) -> None:
-        wide = round(size.wide_ems * basic.em())
+    def set_widths(self, wide: int) -> None:
         most = round(_MOST_WIDE * wide) if isinstance(self.field, ChoiceField) else wide
         self.field.setFixedWidth(max(wide, min(self.field.sizeHint().width(), most)))
 
@@ -296,10 +278,10 @@ class RatingRow(ItemRow):
         self.line.addLayout(column, 1)
         self.line.addWidget(self.result)
 
-    def set_widths(self, size: _Size) -> None:
-        basic.enlarged(self.result, size.button, bold=True)
+    def set_widths(self, wide: int) -> None:
+        basic.enlarged(self.result, basic.TEXT, bold=True)
         for field in self.ratings.fields.values():
-            field.setFixedWidth(round(RATING_EMS * size.button * basic.em()))
+            field.setFixedWidth(round(RATING_EMS * basic.em()))
 
     def score(self) -> None:
         """Go to the first judge."""
@@ -322,7 +304,7 @@ class ModuleScores(QScrollArea):
     def __init__(self) -> None:
         super().__init__(widgetResizable=True)
         self.setFrameShape(QFrame.NoFrame)
-        self.text = basic.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignTop), 1.2)
+        self.text = basic.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignTop), basic.TEXT)
         self.text.setTextFormat(Qt.RichText)
         self.text.setTextInteractionFlags(Qt.TextSelectableByMouse)
         self.setWidget(self.text)
@@ -403,7 +385,7 @@ class ScoringPanel(Panel):
         self._sheet: tuple = ()  # identifies the sheet that is shown
         self._edits: Edits[int] = Edits(self.model.is_confirmed)
         self.rows: Dict[ItemName, ItemRow] = {}
-        self._nothing = basic.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignCenter), 1.3)
+        self._nothing = basic.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignCenter), basic.LEAD)
         self.sheet = SheetView()
         self._stack = QStackedLayout()
         self._stack.addWidget(self._nothing)
@@ -412,13 +394,13 @@ class ScoringPanel(Panel):
         self.module_scores = ModuleScores()
         self.body.addWidget(self.module_scores, 1)
         self._sheets = Sheets(self, client.calls, self.redraw)
-        self.points = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), 1.2, bold=True)
+        self.points = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), basic.LEAD, bold=True)
         self.points.hide()
         self.body.addWidget(self.points)
         self.late = QWidget()
         self.late.hide()
-        self.late_text = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), 1.1)
-        self.in_time = basic.enlarged(QPushButton(tr(IN_TIME.label)), 1.1)
+        self.late_text = basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), basic.TEXT)
+        self.in_time = QPushButton(tr(IN_TIME.label))
         self.in_time.clicked.connect(self._say_in_time)
         line = basic.flat(QHBoxLayout(self.late))
         line.addWidget(self.late_text, 1)

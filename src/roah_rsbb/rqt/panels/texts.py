@@ -49,8 +49,8 @@ class TextSearch(QWidget):
         self.line = QLineEdit(placeholderText=tr("Search (Ctrl+F)"), clearButtonEnabled=True)
         self.count = QLabel()
         self.count.setMinimumWidth(round(6 * basic.em()))
-        self.previous = basic.CommandButton("▲", tr("Previous match (Shift+F3)"), 1.0, lambda: self.go(-1))
-        self.next = basic.CommandButton("▼", tr("Next match (F3, Enter)"), 1.0, lambda: self.go(1))
+        self.previous = basic.CommandButton("▲", tr("Previous match (Shift+F3)"), basic.TEXT, lambda: self.go(-1))
+        self.next = basic.CommandButton("▼", tr("Next match (F3, Enter)"), basic.TEXT, lambda: self.go(1))
         layout = basic.flat(QHBoxLayout(self))
         layout.addWidget(self.line, 1)
         for widget in (self.count, self.previous, self.next):

@@ -52,7 +52,7 @@ class CoreStatusPanel(Panel):
 
     def __init__(self, client) -> None:
         super().__init__(client)
-        self.notices = basic.Notices(1.3)
+        self.notices = basic.Notices()
         self.notices.setMinimumHeight(round(3 * basic.em()))
         self.body.addWidget(self.notices, 1)
         grid = QGridLayout()
@@ -60,7 +60,7 @@ class CoreStatusPanel(Panel):
         for number, label in enumerate(BOX_FACTS):
             value = QLabel(textFormat=Qt.PlainText)
             value.setTextInteractionFlags(Qt.TextSelectableByMouse)
-            self.values.append(basic.enlarged(value, 1.1))
+            self.values.append(basic.enlarged(value, basic.TEXT, bold=True))
             row, column = divmod(number, 2)
             grid.addWidget(QLabel(tr(label)), row, 2 * column)
             grid.addWidget(value, row, 2 * column + 1)
@@ -69,10 +69,10 @@ class CoreStatusPanel(Panel):
         self.answer = AnswerLine()
         self.body.addWidget(self.answer)
         self.exit = basic.CommandButton(
-            tr("Exit …"), tr("End this client or the whole RSBB. You are asked first."), 1.0, self.ask_exit)
+            tr("Exit …"), tr("End this client or the whole RSBB. You are asked first."), basic.TEXT, self.ask_exit)
         self.exit.allow(True)
         self.reload = basic.CommandButton(
-            tr("Reload …"), tr("Take changed configuration files into use. First, all changes are listed."), 1.0,
+            tr("Reload …"), tr("Take changed configuration files into use. First, all changes are listed."), basic.TEXT,
             self.ask_reload)
         self.reload.allow(True)
         buttons = QHBoxLayout()
@@ -197,7 +197,7 @@ class TabletStatusPanel(Panel):
         form.setRowWrapPolicy(QFormLayout.WrapLongRows)
         self.values: List[QLabel] = []
         for label in TABLET_FACTS:
-            self.values.append(basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), 1.2))
+            self.values.append(basic.enlarged(QLabel(wordWrap=True, textFormat=Qt.PlainText), basic.LEAD))
             form.addRow(tr(label), self.values[-1])
         self.body.addLayout(form)
         self.body.addStretch(1)
@@ -226,7 +226,7 @@ class ActiveRobotsPanel(CollapsingPanel):
 
     def __init__(self, client) -> None:
         super().__init__(client)
-        self.table = basic.enlarged(QTableWidget(0, len(ROBOT_COLUMNS)), 1.1)
+        self.table = QTableWidget(0, len(ROBOT_COLUMNS))
         self.table.setHorizontalHeaderLabels([tr(column) for column in ROBOT_COLUMNS])
         for column, explanation in column_explanations().items():
             self.table.horizontalHeaderItem(column).setToolTip(basic.tip(explanation))
