@@ -7,6 +7,8 @@ must find every one.
 import pathlib
 from typing import NamedTuple
 
+from .world import ORGANISED
+
 # Within so many seeds.
 SEEDS = 500
 
@@ -18,6 +20,7 @@ class Fault(NamedTuple):
     module: str
     right: str
     wrong: str
+    first: int = 1  # the seed from which on it is found
 
 
 FAULTS = (
@@ -137,6 +140,13 @@ FAULTS = (
           "if self._rising >= 1 and mono >= self.state.newest_mono:"),
     Fault("a relayed copy counts as the robot's own datagram", "roah_rsbb.radio.radio",
           "if run is not None and run.link.host == address[0]:", "if run is not None:"),
+    # -- a wrong run
+    Fault("that a run was annulled is not recorded", "roah_rsbb.core.desks",
+          "self.report_correction(run, run.annul(now, _checked(by)))", "run.annul(now, _checked(by))", ORGANISED),
+    Fault("a run that was annulled and is signed off counts", "roah_rsbb.scoring.counting",
+          "if record.is_annulled:", "if record.is_annulled and not record.sign_off:", ORGANISED),
+    Fault("a sheet that was reopened stays signed", "roah_rsbb.scoring.book",
+          "signed = None if change.what == REOPENED else SignOff", "signed = SignOff", ORGANISED),
     # -- the short way of datagrams
     Fault("what is new overtakes what waits", "roah_rsbb.radio.short_way",
           "        turns.take()\n        if sender", "        if sender"),

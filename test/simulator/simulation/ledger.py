@@ -9,11 +9,13 @@ import re
 from decimal import Decimal
 from fractions import Fraction
 from types import SimpleNamespace
+from typing import NamedTuple, Optional
 
 from roah_rsbb.core.runs.run import Run
 from roah_rsbb.model.reason import Refused, RunName
 from roah_rsbb.model.records import EndReason, Phase
 from roah_rsbb.rulebook.benchmarks import Restarts
+from roah_rsbb.scoring.counting import Why
 
 from .scheduler import Ended
 from .sheets import Counts, Plain, plain_values
@@ -25,7 +27,10 @@ LEAVE = {"disconnect", "next", "previous", "no_show", "withdrawn", "connect", "o
 GO = {"start", "continue"}
 PHASES = {"next_phase": 1, "previous_phase": -1}
 # Entries whose answer waits for the disk, or for both.
-DURABLE = {"mark", "withdraw", "take_back", "in_time", "stop_reason", "sign_off", "submit", "hand_back", "waive"}
+DURABLE = {"mark", "withdraw", "take_back", "in_time", "stop_reason", "sign_off", "submit", "hand_back", "waive",
+           "annul", "move", "reopen", "undo"}
+# What decides for what a run counts, and whether its sheet is final.
+DECISIONS = {"sign_off", "annul", "move", "reopen", "undo"}
 # What judges and the head referee do with a judge's sheet, as the record has it.
 JUDGED = {"submit": "submitted", "hand_back": "handed back", "waive": "waived missing judges"}
 ENDED_BY = {
@@ -85,6 +90,15 @@ class Watch:
         return self.counted + (0.0 if self.since is None else now - self.since)
 
 
+class Standing(NamedTuple):
+    """For what a finished run counts."""
+
+    sign_off: Optional[Act]
+    is_annulled: bool
+    event: str  # id; empty: those of the schedule have none
+    can_undo: bool
+
+
 class Believed:
     """A run, as its referees believe it to be."""
 
@@ -96,7 +110,7 @@ class Believed:
         self.started_utc, self.ends = 0.0, 0  # as the box has them: when it began, and how often it has ended
         self.watch, self.setup = Watch(), Watch()
         self.phases, self.place = [], 0  # the watches of its phases, and the number of the present one
-        self.entries, self.sign_off, self.reasons = [], None, {}
+        self.entries, self.decisions, self.reasons = [], [], {}
         self.ever = []  # all entries, also those that were lost: a copy may still have them
         self.judged = []  # what was done with the sheets of judges
         self.taken = {}  # marks by their ids, also those that changed nothing
@@ -116,6 +130,34 @@ class Believed:
     def is_stopped(self):
         """Whether a referee ended it, and that is not lost."""
         return self.phase is Phase.ENDED and self.stopped == self.changed and self.final is not None
+
+    def standing(self):
+        """What the decisions of a finished run give: `Standing` (docs/organiser.md, "A run is wrong")."""
+        sign, changes = None, []
+        for act in self.decisions:
+            if act.name == "sign_off":
+                sign = sign or act
+            elif act.name == "undo":
+                last = next(each for each in reversed(changes) if each[0].name != "reopen" or sign is None)
+                changes.remove(last)
+                sign = last[1] if last[0].name == "reopen" else sign and act
+            else:
+                changes.append((act, sign))
+                sign = None if act.name == "reopen" else sign and act
+        moved = [act.given["event"] for act, _ in changes if act.name == "move"]
+        can_undo = any(act.name != "reopen" or sign is None for act, _ in changes)
+        return Standing(sign, any(act.name == "annul" for act, _ in changes), (moved or [self.event.id])[-1], can_undo)
+
+    @property
+    def sign_off(self):
+        """The act that made its sheet final; None: it is open."""
+        return self.standing().sign_off
+
+    def is_attempt_at(self, event):
+        """Whether it counts as an attempt at an event."""
+        standing = self.standing()
+        is_there = self.event is event if standing.event == self.event.id else standing.event == event.id
+        return is_there and self.went > 0.0 and self.is_left and not standing.is_annulled
 
     @property
     def is_something(self):
@@ -273,6 +315,9 @@ class Ledger:
         if act.name == "stop" and run.phase is Phase.RUNNING:
             self._fail("STOP", f"refused for {run.identity}: {reasons}")
         is_scored = run.sign_off is None and run.event.benchmark.judges is None
+        is_known = run.went > 0.0 and act.identity == run.identity
+        if act.name in ("annul", "reopen", "move") and is_known and not self._why_not(act, run):
+            self._fail("wrong run", f"{act.name} of {run.identity} was refused: {reasons}")
         if act.name == "mark" and is_scored and (run.phase is not Phase.CONNECTED or not run.is_left) and (
                 self._is_possible(act, run)):
             self._fail("mark refused", f"{run.identity}: {reasons}")
@@ -288,7 +333,7 @@ class Ledger:
         if run is None:
             self._fail("entry", f"{act.name} in {act.identity}, which is not known")
             return
-        if run.sign_off is not None and act.name != "sign_off" and not self._is_repeated(act, run):
+        if run.sign_off is not None and act.name not in DECISIONS and not self._is_repeated(act, run):
             self._fail("sign-off", f"{act.name} in {run.identity}, which is signed off")
         entries = run.entries
         if act.name == "mark":
@@ -309,8 +354,14 @@ class Ledger:
             kept = next((kept for kept in entries if kept.act.given["id"] == act.given["id"]), None)
             if kept is not None and kept.withdrawn is None:
                 kept.withdrawn = act
+        elif act.name in DECISIONS - {"sign_off"}:
+            why = self._why_not(act, run)
+            if why:
+                self._fail("wrong run", f"{act.name} of {run.identity}, which {why}")
+                return
+            run.decisions.append(act)
         elif act.name == "sign_off":
-            run.sign_off = run.sign_off or act
+            run.decisions += [] if run.sign_off else [act]
             if not run.is_left and run.phase is Phase.RUNNING:
                 self._fail("sign-off", f"{run.identity} is not over")
             rule, (submitted, waits) = run.event.benchmark.judges, run.judging()
@@ -321,6 +372,29 @@ class Ledger:
             run.judged += [] if self._is_repeated(act, run) else [act]
         elif act.name == "stop_reason":
             run.reasons["last"] = act
+
+    def _why_not(self, act, run):
+        """Why a run that is over cannot be put right in this way; empty: it can."""
+        standing = run.standing()
+        if not run.is_left:
+            return "is connected"
+        if act.name == "annul" and standing.is_annulled:
+            return "is annulled"
+        if act.name == "reopen" and standing.sign_off is None:
+            return "is not signed off"
+        if act.name == "undo" and not standing.can_undo:
+            return "has nothing to undo"
+        if act.name == "move":
+            events = [event for zone in self._world.config.zones for event in zone.events]
+            to = next(event for event in events if event.id == act.given["event"])
+            most = to.benchmark.rules.attempts
+            made = sum(each.is_attempt_at(to) for each in self.runs.values())
+            made += any(each.event is to and each.went > 0.0 for each in self.current.values())
+            if standing.event == to.id or to.team == "ALL" or to.benchmark.code != run.event.benchmark.code:
+                return f"cannot count for {to.id}"
+            if most and made >= most and run.went > 0.0 and not standing.is_annulled:
+                return f"is one too many for {to.id}"
+        return ""
 
     @staticmethod
     def _is_repeated(act, run):
@@ -379,7 +453,7 @@ class Ledger:
         believed.turn(now if self._acting is None else self._acting.at)  # it may have waited for the disk
         self._world.witness.runs_at.update((member.port, believed) for member in members(run))
         most = run.event.benchmark.rules.attempts
-        started = [each for each in self.runs.values() if each.event is run.event and each.went > 0.0 and each.is_left]
+        started = [each for each in self.runs.values() if each.is_attempt_at(run.event)]
         if known is None and most and len(started) >= most:
             self._fail("attempts", f"{run.identity} is one too many: {most} are allowed")
         return believed
@@ -408,10 +482,11 @@ class Ledger:
         another attempt at this one (docs/referee.md)."""
         events = list(zone.planned)
         at, place = events.index(believed.event), events.index(zone.event)
-        had_run = [any(run.event is event and run.is_left for run in self.runs.values())
+        had_run = [any(run.is_attempt_at(event) or (run.event is event and run.is_left and not run.decisions)
+                       for run in self.runs.values())
                    or any(act.event is event for act in self.absent) for event in events]
         is_right = place == at
-        made = sum(run.event is believed.event and run.went > 0.0 and run.is_left for run in self.runs.values())
+        made = sum(run.is_attempt_at(believed.event) for run in self.runs.values())
         may_repeat = believed.reason is EndReason.COMPLETED and believed.event.benchmark.rules.attempts > made
         if believed.reason in TO_THE_NEXT and not may_repeat:
             later = range(at + 1, place if place > at else len(events))
@@ -515,6 +590,11 @@ class Ledger:
         """The records of all runs."""
         for believed in list(self.runs.values()):
             self._check_record(core, believed)
+        for ruling in core.box.scores.rulings(core.now()):
+            believed = self.runs.get(ruling.record.identity)
+            if believed is not None and believed.is_left and (
+                    ruling.why is Why.ANNULLED) is not believed.standing().is_annulled:
+                self._fail("wrong run", f"{believed.identity}: {ruling.why}, and {believed.standing()}")
 
     def _check_record(self, core, believed):
         record = _record_of(core, believed)
@@ -563,6 +643,10 @@ class Ledger:
             self._fail("points", f"{identity} has {record.points.total} instead of {counts.total}")
         if (record.sign_off is not None) is not (believed.sign_off is not None):
             self._fail("sign-off", f"{identity} is {'' if record.sign_off else 'not '}signed off")
+        standing = believed.standing()
+        if record.is_annulled is not standing.is_annulled or (record.event or believed.event.id) != standing.event:
+            self._fail("wrong run", f"{identity} is{' ' if record.is_annulled else ' not '}annulled, and counts for "
+                                    f"{record.event}, not as {standing}")
         given = believed.reasons.get("last")
         if given is not None and given.given["reason"] not in [stop.reason for stop in record.stops]:
             self._fail("reason", f"{identity} has no {given.given['reason']!r}")
@@ -659,8 +743,9 @@ class Ledger:
         kept = len(record.judging.acts)
         believed.judged = [act for number, act in enumerate(believed.judged)
                            if number < kept or self._must_be_there(act)]
-        if believed.sign_off is not None and record.sign_off is None and not self._must_be_there(believed.sign_off):
-            believed.sign_off = None
+        known = repr(record)
+        believed.decisions = [act for act in believed.decisions
+                              if self._must_be_there(act) or re.search(rf"\b{act.who}\b", known)]
         for name in [name for name, act in believed.reasons.items() if not self._must_be_there(act)]:
             del believed.reasons[name]
         if believed.changed > self._sure[0]:

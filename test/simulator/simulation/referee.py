@@ -1,6 +1,7 @@
 """Referees, who press buttons at random, as often a sensible one as not, and believe what they are answered."""
 
 import itertools
+from random import Random
 
 from helpers.commands import COMMANDS, given_with
 from roah_rsbb.box.calls import BoxCalls, Disks
@@ -32,11 +33,14 @@ class Referee:
         self.is_at_work, self.rests_until = True, 0.0
         self.then = []  # (commands, what happens soon after the next one of them, within how many seconds)
         self._numbers = itertools.count(1)
+        self._organiser = Random(f"{world.seed} organiser")
         self._seen = {}  # identities of the runs that this referee knows, by zone, the newest first
 
     def begin(self):
         """Begin to work."""
         self.world.scheduler.after(self.random.uniform(*self.pause_s), self._act)
+        if self.world.has_organiser:
+            self.world.scheduler.after(self._organiser.uniform(0.5, 2.0), self._put_right)
 
     # -- what they do -------------------------------------------------------------------------------
 
@@ -149,6 +153,24 @@ class Referee:
             self._call("stop_reason", zone, identity, {"reason": f"because of {next(self._numbers)}"})
         else:
             self._call("sign_off", zone, identity, {})
+
+    def _put_right(self):
+        """An organiser puts a wrong run right."""
+        random, world = self._organiser, self.world
+        if not self.is_at_work:
+            return
+        world.scheduler.after(random.uniform(0.5, 2.0), self._put_right)
+        runs = [run for run in world.ledger.runs.values() if run.is_left or random.random() < 0.2]
+        if self.box.core is None or not runs:
+            return
+        run = random.choice(runs)
+        name = random.choice(("annul", "move", "reopen", "reopen", "undo", "undo", "sign_off"))
+        given = {} if name == "sign_off" else {"reason": f"because of {next(self._numbers)}"}
+        if name == "move":
+            given["event"] = random.choice([
+                event.id for zone in world.config.zones for event in zone.events
+                if event.benchmark.code == run.event.benchmark.code or random.random() < 0.2] or [run.event.id])
+        self._call(name, run.zone, run.identity, given)
 
     # -- calls --------------------------------------------------------------------------------------
 

@@ -32,6 +32,8 @@ from .witness import Witness
 BOX_HOST, STANDBY_HOST = "10.0.0.1", "10.0.0.50"
 # Of so many seeds, one runs a second time without the short way of datagrams.
 BOTH_WAYS = 4
+# From this seed on, an organiser annuls, moves and reopens runs, too.
+ORGANISED = 10**9
 # Objects between two collections of garbage: a tenth of the time is saved.
 GARBAGE = 200_000
 # Seconds without troubles and without referees at the end.
@@ -77,7 +79,10 @@ class World:
         self.trace = Trace(self.scheduler, folder)
         self.air = Air(self.scheduler, random.Random(f"{seed} air"), self.trace)
         self.clocks_were_set = set()  # names of robots
+        self.has_organiser = seed >= ORGANISED
         self.config = _competition(draw, 0 if size is None else size.zones, random.Random(f"{seed} sheets"))
+        if self.has_organiser:
+            self.config = _with_ids(self.config)
         has_standby = draw.random() < 0.4
         if has_standby and draw.random() < 0.6:
             self.config = replace(self.config, durable=Durable.TWO)
@@ -194,6 +199,12 @@ def _competition(draw, large, draw_sheet):
             zones[name] = tuple(replace(event, benchmark=_with_sheet(event.benchmark, draw_sheet))
                                 for event in zones[name])
     return competition(teams=teams, **zones)
+
+
+def _with_ids(config):
+    return replace(config, zones=tuple(
+        replace(zone, events=tuple(replace(event, id=f"{zone.name}{number}")
+                                   for number, event in enumerate(zone.events, 1))) for zone in config.zones))
 
 
 def _with_sheet(benchmark, draw):
