@@ -3,7 +3,7 @@
 from support.dummy_launch import DummyRobot
 from support.modules_case import FunctionalityCase
 
-from roah_rsbb.srv import Zone
+from roah_rsbb.srv import Zone, ZoneUInt8
 
 
 class TestOneAfterTheOther(FunctionalityCase):
@@ -36,15 +36,23 @@ class TestOneAfterTheOther(FunctionalityCase):
             self.robot.wait_printed(f"object_id {number}")
 
     def homf(self) -> None:
-        scores, log = self.conduct("HOMF", self.enter_no_switches)
-        self.assertEqual(len(self.of_each(scores, "changed")), 2)
+        """The referee enters the requested switches, then one too many, and damage."""
+        entries = [((2, 3), 0), ((1, 2), 1)]
+
+        def enter() -> None:
+            pressed, damaged = entries.pop(0)
+            for switch in pressed:
+                self.box.call("omf_switches/button", ZoneUInt8, "HOMF", switch)
+            self.box.call("omf_switches/damaged", ZoneUInt8, "HOMF", damaged)
+            self.box.call("omf_switches/complete", Zone, "HOMF")
+            self.box.wait_zone("HOMF", lambda z: not z.omf_complete, "they are confirmed")
+
+        scores, log = self.conduct("HOMF", enter)
+        self.assertEqual([scores["", name] for name in ("right", "wrong", "damaged")], [3, 1, 1])
+        self.assertEqual(self.of_each(scores, "changed"), ["2, 3", "1, 2"])
         self.assertEqual(log.values("/notification"), ["switching"] * 2)
         self.robot.wait_printed("HOMF: executing initial_state (True, False, False), switches (2, 3)")
         self.robot.wait_printed("HOMF: executing initial_state (False, False, True), switches (1,)")
-
-    def enter_no_switches(self) -> None:
-        self.box.call("omf_switches/complete", Zone, "HOMF")
-        self.box.wait_zone("HOMF", lambda z: not z.omf_complete, "they are confirmed")
 
     def stb(self) -> None:
         scores, _ = self.conduct("STB")
