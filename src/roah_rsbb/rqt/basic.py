@@ -163,9 +163,13 @@ def show_alone(dialog: QDialog) -> None:
 
 
 def set_style(widget: QWidget, style: str) -> None:
-    """Set a style sheet if it changed: setting it again would redo the layout."""
+    """Set a style sheet if it changed: setting it again would redo the layout. The font stays, which Qt would reset
+    where the application has a style sheet, too."""
     if widget.styleSheet() != style:
+        font = QFont(widget.font())
         widget.setStyleSheet(style)
+        widget.ensurePolished()
+        widget.setFont(font)
 
 
 def tip(text: str) -> str:

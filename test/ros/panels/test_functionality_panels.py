@@ -49,6 +49,7 @@ class TestManualOperation(PanelCase):
         wait_until(lambda: styles.add(self.panel.text.styleSheet()) or len(styles) >= 2, "it flashes")
         wait_until(lambda: not self.panel._flash.isActive(), "it stops flashing")
         self.assertIn("background", self.panel.text.styleSheet())
+        self.assertTrue(self.panel.text.font().bold(), "its colours leave its size as it was")
         self.ask(2, "Place it")
         wait_until(self.panel._flash.isActive, "the same words again are another request")
 
