@@ -4228,6 +4228,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/box/day_edits.py"/>
+        <source>{number} events of stage &apos;{stage}&apos; are still to come: who advances may change</source>
+        <translation>{number} Termine der Stufe „{stage}“ stehen noch aus: Wer weiterkommt, kann sich ändern</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/box/day_edits.py"/>
         <source>{path} is a part of the program, and is not written: make a competition&apos;s folder</source>
         <translation>{path} gehört zum Programm und wird nicht geschrieben: Legen Sie den Ordner eines Wettbewerbs an</translation>
     </message>
@@ -4690,6 +4695,21 @@
         <location filename="../../src/roah_rsbb/core/copies.py"/>
         <source>The copy of the journal ({place}) is {time} s, {size} kB behind: {why}</source>
         <translation>Die Kopie des Journals ({place}) ist {time} s, {size} kB zurück: {why}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/day.py"/>
+        <source>No stage &apos;{stage}&apos; from which teams advance: standings.yaml has {stages}{hint}</source>
+        <translation>Keine Stufe „{stage}“, aus der Teams weiterkommen: standings.yaml hat {stages}{hint}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/day.py"/>
+        <source>Nobody has a signed result in stage &apos;{stage}&apos; yet</source>
+        <translation>Niemand hat bisher ein abgeschlossenes Ergebnis in der Stufe „{stage}“</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/core/day.py"/>
+        <source>Stage &apos;{stage}&apos; leads to no test that only those run who advance: name one in a stage whose &apos;teams&apos; it is</source>
+        <translation>Stufe „{stage}“ führt zu keinem Test, den nur die machen, die weiterkommen: Nennen Sie einen in einer Stufe, deren „teams“ sie ist</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/core/desks.py"/>
@@ -5808,6 +5828,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Teams advance</source>
+        <translation>Teams kommen weiter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Those who advance from a stage, such as to the Final, take the places of its events, the best team last; with a time, its events begin there</source>
+        <translation>Wer aus einer Stufe weiterkommt, etwa ins Finale, bekommt dessen Termine, das beste Team zuletzt; mit einer Zeit beginnen sie dann</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Put the events of an edit back, if nobody changed them since</source>
         <translation>Die Termine einer Änderung zurücksetzen, wenn sie seither niemand geändert hat</translation>
     </message>
@@ -5980,6 +6010,16 @@
         <location filename="../../src/roah_rsbb/model/actions.py"/>
         <source>Name that its robot announces</source>
         <translation>Name, den sein Roboter meldet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Stage, if several have finalists</source>
+        <translation>Stufe, wenn mehrere Finalisten haben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/model/actions.py"/>
+        <source>Minutes from one to the next</source>
+        <translation>Minuten von einem zum nächsten</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/model/fields.py"/>
@@ -6155,6 +6195,11 @@
         <location filename="../../src/roah_rsbb/rulebook/day.py"/>
         <source>{event} was changed since: nothing was undone</source>
         <translation>{event} wurde seither geändert: Nichts wurde rückgängig gemacht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rulebook/day.py"/>
+        <source>{number} teams advance, and {places} events of {test} are planned: give the time of the first one, and the zone</source>
+        <translation>{number} Teams kommen weiter, und {places} Termine von {test} sind geplant: Geben Sie die Zeit des ersten an, und die Zone</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rulebook/day.py"/>

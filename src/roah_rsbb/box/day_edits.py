@@ -22,7 +22,7 @@ from roah_rsbb.document.calls import EDIT, Caller, InThread
 from roah_rsbb.document.calls import EDITS as LISTED
 from roah_rsbb.ground import durable, installed
 from roah_rsbb.model import fields
-from roah_rsbb.model.actions import EDITS, UNDO, WITHDRAW_TEAM
+from roah_rsbb.model.actions import ADVANCE, EDITS, UNDO, WITHDRAW_TEAM
 from roah_rsbb.model.clock import Now
 from roah_rsbb.model.reason import Reason, Refused, Template, checked_note, checked_who, encoded, say
 from roah_rsbb.rulebook import day, team_passwords
@@ -39,6 +39,7 @@ NO_REASON = say("the team did not withdraw")
 NOTHING_OF_TEAM = say("Team {team} has no such event to come")
 WITHDRAWN = say("{event}: {time} in zone '{zone}', the team withdraws")
 PASSWORD = say("Team {team} gets a password, in {path}")
+STILL = say("{number} events of stage '{stage}' are still to come: who advances may change")
 SHIPPED = say("{path} is a part of the program, and is not written: make a competition's folder")
 NOT_WRITTEN = say("{path} cannot be written: {error}. Make it writable for this user")
 
@@ -51,6 +52,7 @@ class _Planned(NamedTuple):
     events: List[str] = []  # from which a team withdraws
     undoes: int = 0  # number of the edit that it undoes; 0: none
     comes_back: List[WithdrawnRun] = []  # runs that say that a team withdrew, and no longer count
+    warnings: List[Reason] = []
 
 
 class DayEdits:
@@ -106,7 +108,7 @@ class DayEdits:
             passwords = team_passwords.with_team(self._configuration.passwords, new_team)
         if planned.changes:
             content = self._configuration.edited(planned.changes, passwords)
-        warnings = day.warnings(before, content.config.zones, planned.changes)
+        warnings = [*planned.warnings, *day.warnings(before, content.config.zones, planned.changes)]
         off = self._in_loop(lambda: self._box.reload.off(content.config))
         if off:
             raise Refused(off)
@@ -176,8 +178,19 @@ class DayEdits:
             changes = day.undone(changes_of(edit))
             day.applied(before.slots, changes)
             return _Planned(day.words(changes, before.today), changes, undoes=edit["number"])
+        if action == ADVANCE:
+            return self._advance(before, values)
         changes = day.EDITS[action](before, values)
         return _Planned(day.words(changes, before.today), changes)
+
+    def _advance(self, before: Day, values: Mapping[str, Any]) -> _Planned:
+        """Let the teams that advance from a stage take the events of the tests that only they run."""
+        found = self._in_loop(lambda: self._box.day.advancing(values["stage"]))
+        known = self._configuration.content.config.benchmarks
+        changes = day.advance(before, values, found.teams, [known[code] for code in found.tests if code in known])
+        coming = [event for event in before.to_come if before.slots[event].benchmark in found.of_all]
+        still = [STILL(number=len(coming), stage=found.stage)] if coming else []
+        return _Planned([*found.said, *day.words(changes, before.today)], changes, warnings=[*still, *found.remarks])
 
 
 def _words(template: Template, slot: PlannedSlot, today: Day) -> Reason:

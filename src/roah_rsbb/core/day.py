@@ -8,11 +8,19 @@ from roah_rsbb.core.effects import Outbox
 from roah_rsbb.core.timers import Timers
 from roah_rsbb.core.zones import Zones
 from roah_rsbb.model.clock import Now
-from roah_rsbb.model.reason import Refused, RunName, checked_who, cut_note
+from roah_rsbb.model.reason import Reason, Refused, RunName, checked_who, cut_note, say
 from roah_rsbb.model.records import By, Phase
 from roah_rsbb.rulebook.day import NO_EVENT
 from roah_rsbb.rulebook.event_ids import key_of
 from roah_rsbb.scoring.book import FinishedRuns
+from roah_rsbb.scoring.counting import RunChoice
+from roah_rsbb.scoring.stages import ADVANCE, ASK
+from roah_rsbb.scoring.standings import stage_standings
+from roah_rsbb.wording.texts import did_you_mean
+
+NO_STAGE = say("No stage '{stage}' from which teams advance: standings.yaml has {stages}{hint}")
+NOBODY = say("Nobody has a signed result in stage '{stage}' yet")
+NO_TEST = say("Stage '{stage}' leads to no test that only those run who advance: name one in a stage whose 'teams' it is")
 
 
 class OpenEvents(NamedTuple):
@@ -28,6 +36,17 @@ class WithdrawnRun(NamedTuple):
     zone: str
     identity: str
     event: str  # id
+
+
+class Advancing(NamedTuple):
+    """Who advances from a stage."""
+
+    stage: str
+    teams: Sequence[str]  # the best one first
+    tests: Sequence[str]  # codes of the benchmarks that only they run
+    of_all: Collection[str]  # codes of the benchmarks of the stage
+    said: List[Reason]  # in words
+    remarks: List[Reason]  # what the public reads beside the standing
 
 
 class DayDesk:
@@ -51,6 +70,31 @@ class DayDesk:
                     if place >= zone.index:
                         found.to_come.add(event.id)
         return found
+
+    def advancing(self, name: str) -> Advancing:
+        """Return who advances from a stage by the runs that are signed off; empty: from the only one. Raises
+        `Refused`."""
+        rules, finished = self._finished.ranking, self._finished
+        choice = RunChoice(signed_off=True, events=finished.event_rules())
+        able = {stage.name: (stage, standing) for stage, standing in zip(
+            rules.stages, stage_standings(rules, finished.records(), choice)) if stage.advance}
+        name = next(iter(able)) if not name and len(able) == 1 else name
+        if name not in able:
+            raise Refused([NO_STAGE(stage=name, hint=did_you_mean(name, able), stages=", ".join(able) or "-")])
+        stage, standing = able[name]
+        remarks = [remark for remark in standing.remarks if isinstance(remark, Reason)]
+        if standing.undecided:
+            raise Refused([remark for remark in remarks if remark.template == ASK])
+        if not standing.advance:
+            raise Refused([NOBODY(stage=name)])
+        of_all = {column.test for column in stage.of}
+        tests = dict.fromkeys(column.test for later in rules.stages if later.teams == name for column in later.of
+                              if column.test and column.test not in of_all)
+        if not tests:
+            raise Refused([NO_TEST(stage=name)])
+        return Advancing(name, standing.advance, list(tests), of_all, [
+            remark for remark in remarks if remark.template == ADVANCE], [
+            remark for remark in remarks if remark.template != ADVANCE])
 
     def withdraw(self, now: Now, events: Sequence[str], team: str, who: str, reason: str) -> List[WithdrawnRun]:
         """Record that a team withdrew from events. Zones go past them. Raises `Refused`."""

@@ -212,7 +212,7 @@ _ZONE, _AN_EVENT = OfSchedule("zone", say("Zone"), of="zone"), OfSchedule("event
 _OTHER_ZONE = OfSchedule("zone", say("To zone"), required=False, of="zone")
 _AT = TypedText("time", say("To time"), required=False)
 _WHY = TypedText("reason", _REASON, required=False)
-WITHDRAW_TEAM, UNDO = "withdraw_team", "undo"
+WITHDRAW_TEAM, ADVANCE, UNDO = "withdraw_team", "advance", "undo"
 _EDITS = (
     Action("shift", say("A zone is late"),
            say("Shift the events of a zone that are to come today, by minutes such as 40, or so that the next one "
@@ -236,6 +236,11 @@ _EDITS = (
     Action("add_team", say("A late team"),
            say("With a password, and an event for each benchmark and round that other teams do from today on"),
            (TypedText("team", say("Name that its robot announces"), characters=100), _WHY)),
+    Action(ADVANCE, say("Teams advance"),
+           say("Those who advance from a stage, such as to the Final, take the places of its events, the best team last; "
+               "with a time, its events begin there"),
+           (TypedText("stage", say("Stage, if several have finalists"), required=False), _OTHER_ZONE, _AT,
+            Number("minutes", say("Minutes from one to the next"), required=False, high=600, unit="min"), _WHY)),
     Action(UNDO, say("Undo"), say("Put the events of an edit back, if nobody changed them since"),
            (Number("number", _NUMBER, low=1), _WHY)),
 )

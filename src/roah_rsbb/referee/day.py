@@ -62,6 +62,11 @@ _add("withdraw_team", ["Alpha", "Alpha --day 2026-11-29", "Alpha --event 3 --zon
      text("--day", "only from events of this day", metavar="YYYY-MM-DD"),
      argument("--event", metavar="N", type=counted, help=_NUMBER), zone("of the event; ", name="--zone"))
 _add("add_team", ["TeaAtFive"], argument("team", help="the name that its robot announces"))
+_add("advance", ["", "--stage Tasks --to-zone Arena --time '2026-11-29 15:00' --minutes 20"],
+     text("--stage", "the stage, if teams advance from several", metavar="STAGE"),
+     text("--time", "of the first event (default: those that are planned)", metavar="HH:MM"),
+     argument("--minutes", metavar="N", type=counted, help="from one to the next (default: what the benchmark needs)"),
+     _TO_ZONE)
 _add(UNDO, ["3"], argument("number", metavar="N", type=counted, help="number of the edit ('day list' shows it)"))
 
 

@@ -33,6 +33,8 @@ TOO_FAR = say("That is more than a day: move the events")
 NOTHING = say("Nothing would change")
 SAME = say("Choose two different events")
 CHANGED = say("{event} was changed since: nothing was undone")
+FEW_PLACES = say("{number} teams advance, and {places} events of {test} are planned: give the time of the first one, and "
+                 "the zone")
 KNOWN_TEAM = say("Team {team} is there already")
 
 MOVED, ADDED = say("{event}: {time} instead of {before}"), say("{event}: {time} in zone '{zone}', added")
@@ -193,6 +195,34 @@ def add_team(day: Day, given: Given) -> List[EventChange]:
     days = {day_of(slot.scheduled) for slot in day.slots.values()}
     late = late_team(day.zones, given["team"], [each for each in days if each >= day.today], day.now_utc)
     return [EventChange(new_id(day.slots), None, slot) for slot in late]
+
+
+def advance(day: Day, given: Given, teams: Sequence[str], tests: Sequence[Benchmark]) -> List[EventChange]:
+    """Teams that advanced, the best one first, take the events of the tests that only they run: the best one the last.
+    Those that are left are removed. With a time, the first event begins there."""
+    changes: List[EventChange] = []
+    at = moment(given["time"], day.now_utc, 0.0)
+    for test in tests:
+        same = {event: slot for event, slot in day.slots.items() if slot.benchmark == test.code}
+        for number in sorted({slot.round for slot in same.values()} or {1}):
+            planned = sorted((slot.scheduled, event) for event, slot in same.items()
+                             if slot.round == number and event in day.open)
+            begun = {slot.team for event, slot in same.items() if slot.round == number and event not in day.open}
+            waiting = [team for team in teams[::-1] if team not in begun]
+            places = [same[event] for _, event in planned]
+            if at:
+                by_s = given["minutes"] * MINUTE_S or planned_s(test) + SET_UP_S
+                zone = _zone(day, given["zone"] or (places[0].zone if places else "")).name
+                places = [PlannedSlot(zone, test.code, "", number, 1, at + place * by_s) for place in range(len(waiting))]
+                at += len(waiting) * by_s
+            if len(places) < len(waiting):
+                raise Refused([FEW_PLACES(number=len(waiting), places=len(places), test=test.code)])
+            left = {same[event].team: event for _, event in planned}
+            for team, place in zip(waiting, places):
+                event = left.pop(team, "") or new_id(day.slots)
+                changes.append(EventChange(event, same.get(event), place._replace(team=team)))
+            changes += [EventChange(event, same[event], None) for event in left.values()]
+    return _kept([change for change in changes if change.before != change.after], day)
 
 
 EDITS: Dict[str, Callable[[Day, Given], List[EventChange]]] = {

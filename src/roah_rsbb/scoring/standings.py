@@ -82,6 +82,8 @@ class Standing(NamedTuple):
     title: str = ""  # what the benchmark is called; empty: not known
     counting: str = ""  # of a stage, what counts; empty: that of `attempts`
     steps: Tuple[str, ...] = ()  # of a stage, how its numbers were computed
+    advance: Tuple[str, ...] = ()  # of a stage, the teams that advance, in order
+    undecided: Tuple[str, ...] = ()  # of these teams, which tie, a person must choose who advances
 
 
 def standings(
@@ -264,7 +266,7 @@ def _stage_standing(
     return Standing(
         "", AttemptsRule(), tuple(Criterion(name, True, ()) for name in names), lines,
         tuple(dict.fromkeys([*remarks, *ranked.notes])), tuple("" for _ in names), stage.name, counting,
-        ranked.steps)
+        ranked.steps, ranked.advance, ranked.undecided)
 
 
 def _about_column(

@@ -36,7 +36,11 @@ SCHEDULE = """# Ours
 class Place:
     """The folder of a competition, and the boxes that start there."""
 
-    def __init__(self, folder, schedule=SCHEDULE):
+    def __init__(self, folder, schedule=SCHEDULE, standings=None):
+        folder.mkdir(exist_ok=True)
+        self.standings = str(folder / "standings.yaml") if standings else None
+        if standings:
+            (folder / "standings.yaml").write_text(standings, "utf-8")
         self.folder, self.schedule = folder, folder / "schedule.yaml"
         self.schedule.write_text(schedule, "utf-8")
         shutil.copy(SHIPPED / "benchmarks.yaml", folder / "benchmarks.yaml")
@@ -46,7 +50,7 @@ class Place:
     def start(self, launch="launch 1"):
         """A box starts; returns what every referee is warned of."""
         paths = [str(self.folder / f"{name}.yaml") for name in ("benchmarks", "schedule", "passwords")]
-        self.configuration = Configuration(str(self.folder / "log"), launch, paths, None)
+        self.configuration = Configuration(str(self.folder / "log"), launch, paths, self.standings)
         self.driver = driver = BoxDriver(self.configuration.content.config)
         self.reloads = Reloads(driver.box, self.configuration, lambda function: function(), driver.event,
                                lambda config, version: None)
@@ -326,3 +330,77 @@ def test_an_edit_does_not_wait_for_a_reload_whose_disk_hangs(place, monkeypatch)
     with place.reloads.alone(), pytest.raises(Refused, match="another reload has not ended"):
         place.look("shift", zone="Home", time="40")
     assert day_edits.EDITS.keys() >= {"shift", "undo"}
+
+
+FINALS = """- zone: Home
+  schedule:
+    - { benchmark: HGTKMH, team: Alpha, round: 1, run: 1, scheduled_time: 2027-01-15 14:00:00, id: ha }
+    - { benchmark: HGTKMH, team: Beta,  round: 1, run: 1, scheduled_time: 2027-01-15 14:30:00, id: hb }
+    - { benchmark: HGTKMH, team: Gamma, round: 1, run: 1, scheduled_time: 2027-01-15 15:00:00, id: hg }
+- zone: Arena
+  schedule:
+    - { benchmark: HWV, team: Alpha, round: 1, run: 1, scheduled_time: 2027-01-15 16:00:00, id: wa }
+    - { benchmark: HWV, team: Beta,  round: 1, run: 1, scheduled_time: 2027-01-15 16:30:00, id: wb }
+    - { benchmark: HWV, team: Gamma, round: 1, run: 1, scheduled_time: 2027-01-15 17:00:00, id: wg }
+"""
+STAGES = """stages:
+  - { name: Tasks, of: [ { test: HGTKMH } ], advance: 2, asks: yes }
+  - { name: Final ranking, teams: Tasks, of: [ { stage: Tasks }, { test: HWV } ] }
+"""
+
+
+def finals(folder, *marks, unsigned=()):
+    """The tasks are over: each team has as many items of its sheet."""
+    place = Place(folder, "- time_zone: UTC\n" + FINALS, STAGES)
+    for number in marks:
+        driver = place.driver
+        driver.command("open_sheet", "Home")
+        driver.command("start", "Home")
+        for item in [item for item in driver.run_in("Home").record(driver.now).items if item.points != 0][:number]:
+            driver.score(item.group, item.desc, 1, "Home")
+        driver.command("stop", "Home")
+        driver.command("disconnect", "Home")
+        record = max(driver.box.finished.records(), key=lambda record: record.opened_utc)
+        if number not in unsigned:
+            driver.enter("sign_off", RunName("Home", record.identity), "Olga")
+        if record.event != "hg":  # the last one of the zone
+            driver.command("next", "Home")
+    return place
+
+
+def test_teams_that_advance_take_the_places_of_the_final_the_best_one_last(tmp_path):
+    place = finals(tmp_path, 1, 3, 2)
+    done = place.do("advance")
+    assert lines(done) == [
+        "Tasks: 2 of 3 advance: Beta, Gamma", "HWV of Gamma: 16:00 instead of 17:00",
+        "HWV of Alpha: removed (it was at 16:00 in zone 'Arena')"]
+    assert place.shown == place.in_force == place.written
+    place.do("undo", number=1)
+    assert set(place.in_force) == set(spots(Place(tmp_path / "again", "- time_zone: UTC\n" + FINALS).configuration
+                                            .content.config.zones))
+
+
+def test_a_final_without_planned_events_begins_at_a_time(tmp_path):
+    place = finals(tmp_path, 1, 3, 2)
+    done = place.do("advance", stage="Tasks", time="2027-01-15 18:00", minutes=20)
+    assert lines(done)[1:] == [
+        "HWV of Alpha: removed (it was at 16:00 in zone 'Arena')",
+        "HWV of Gamma: 18:00 instead of 17:00",
+        "HWV of Beta: 18:20 instead of 16:30"]
+
+
+def test_who_advances_is_asked_where_nothing_decides(tmp_path):
+    place = finals(tmp_path, 2, 2, 2)
+    with pytest.raises(Refused, match="Alpha, Beta, Gamma tie, and 2 of them can advance"):
+        place.look("advance")
+
+
+def test_nobody_advances_without_a_signed_result_or_from_an_unknown_stage(tmp_path):
+    place = finals(tmp_path)
+    with pytest.raises(Refused, match="Nobody has a signed result in stage 'Tasks'"):
+        place.look("advance")
+    with pytest.raises(Refused, match="No stage 'Task' from which teams advance: standings.yaml has Tasks: did you mean 'Tasks'"):
+        place.look("advance", stage="Task")
+    place = finals(tmp_path, 2)
+    assert lines(place.look("advance"), "warnings")[0] == (
+        "2 events of stage 'Tasks' are still to come: who advances may change")
