@@ -20,7 +20,8 @@ from roah_rsbb.wording.texts import did_you_mean
 
 NO_STAGE = say("No stage '{stage}' from which teams advance: standings.yaml has {stages}{hint}")
 NOBODY = say("Nobody has a signed result in stage '{stage}' yet")
-NO_TEST = say("Stage '{stage}' leads to no test that only those run who advance: name one in a stage whose 'teams' it is")
+NO_TEST = say("Stage '{stage}' leads to no test that only those run who advance: name one in a stage whose 'teams' it "
+              "is")
 
 
 class OpenEvents(NamedTuple):

@@ -237,8 +237,8 @@ _EDITS = (
            say("With a password, and an event for each benchmark and round that other teams do from today on"),
            (TypedText("team", say("Name that its robot announces"), characters=100), _WHY)),
     Action(ADVANCE, say("Teams advance"),
-           say("Those who advance from a stage, such as to the Final, take the places of its events, the best team last; "
-               "with a time, its events begin there"),
+           say("Those who advance from a stage, such as to the Final, take the places of its events, the best team "
+               "last; with a time, its events begin there"),
            (TypedText("stage", say("Stage, if several have finalists"), required=False), _OTHER_ZONE, _AT,
             Number("minutes", say("Minutes from one to the next"), required=False, high=600, unit="min"), _WHY)),
     Action(UNDO, say("Undo"), say("Put the events of an edit back, if nobody changed them since"),

@@ -33,8 +33,8 @@ TOO_FAR = say("That is more than a day: move the events")
 NOTHING = say("Nothing would change")
 SAME = say("Choose two different events")
 CHANGED = say("{event} was changed since: nothing was undone")
-FEW_PLACES = say("{number} teams advance, and {places} events of {test} are planned: give the time of the first one, and "
-                 "the zone")
+FEW_PLACES = say("{number} teams advance, and {places} events of {test} are planned: give the time of the first one, "
+                 "and the zone")
 KNOWN_TEAM = say("Team {team} is there already")
 
 MOVED, ADDED = say("{event}: {time} instead of {before}"), say("{event}: {time} in zone '{zone}', added")
@@ -213,7 +213,8 @@ def advance(day: Day, given: Given, teams: Sequence[str], tests: Sequence[Benchm
             if at:
                 by_s = given["minutes"] * MINUTE_S or planned_s(test) + SET_UP_S
                 zone = _zone(day, given["zone"] or (places[0].zone if places else "")).name
-                places = [PlannedSlot(zone, test.code, "", number, 1, at + place * by_s) for place in range(len(waiting))]
+                places = [PlannedSlot(zone, test.code, "", number, 1, at + place * by_s)
+                          for place in range(len(waiting))]
                 at += len(waiting) * by_s
             if len(places) < len(waiting):
                 raise Refused([FEW_PLACES(number=len(waiting), places=len(places), test=test.code)])
