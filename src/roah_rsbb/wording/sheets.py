@@ -358,9 +358,18 @@ def difference_text(version: VersionLine) -> str:
     """Return how the version after it differs, such as "Total: 180, now 150; Balance: 3, now 4"; empty: in nothing."""
     found = [(tr("Total"), number(version.points), number(version.then_points))] \
         if version.points != version.then_points else []
-    found += [(before.desc, in_words(before), in_words(after)) for before, after in version.changed]
+    found += [(before.desc, *_values(before, after)) for before, after in version.changed]
     return "; ".join(tr("{what}: {before}, now {after}", what=what, before=before or NOTHING, after=after or NOTHING)
                      for what, before, after in found)
+
+
+def _values(before: ItemRecord, after: ItemRecord) -> Tuple[str, str]:
+    """Return an item's values in words; of equal ones, which count differently by another sheet, their points."""
+    values = in_words(before), in_words(after)
+    if values[0] != values[1]:
+        return values
+    return (tr("{points} points", points=number(before.points or "0")),
+            tr("{points} points", points=number(after.points or "0")))
 
 
 # -- history ----------------------------------------------------------------------------------------

@@ -16,6 +16,8 @@ from roah_rsbb.model.scoring import INCIDENTS, NO_SECTION, SheetForm, rows
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.scoring.book import BookState, FinishedRun, RunBook, rescored
 from roah_rsbb.scoring.sheet import Mark, SheetState
+from roah_rsbb.scoring.timeline import version_lines
+from roah_rsbb.wording.sheets import difference_text
 
 TABLE, SPECIAL = "Table", "Special"
 SHEET = Sheet((
@@ -401,6 +403,16 @@ def test_marks_follow_their_rows_to_other_names():
     (scored,) = rescored([record], {record.benchmark: benchmark})
     assert [(item.desc, item.value) for item in scored.after.items if item.value] == [("Finds an object", 1)]
     assert [entry.desc for entry in scored.after.history] == ["Finds an object (finds)", "Finds an object"]
+
+
+def test_a_version_names_the_rows_that_are_worth_something_else_now():
+    record = Book().at(30, "Finds an object", added="5").end(200, "completed").book.into(RunRecord(
+        "X", "Home", "X", "", 1, 1, "", 1.0, end_reason="completed", sign_off=SignOff(1.0, "Anna")))
+    items = (replace(item, points=Decimal(7)) if item.id == "finds" else item for item in SHEET.items)
+    other = replace(SHEET, items=tuple(items))
+    (scored,) = rescored([record], {"X": Benchmark("X", "X", "", 420.0, 420.0, rows(other), sheet=other)})
+    (version,) = version_lines(scored.signed(SignOff(2.0, "Hugo"), "other points"))
+    assert difference_text(version) == "Total: 50, now 35; Finds an object: 50 points, now 35 points"
 
 
 def test_points_for_the_team_are_in_the_record_beside_the_total():
