@@ -566,7 +566,7 @@ class _Tree:
         """Return how many counts of an item were made before what they need, from the count on that needs it."""
         if not condition.after:
             return ZERO
-        needed = self._all_under(condition.item)
+        needed = self._giving(condition.item)
         begin = min((at_s or ZERO for item_id, _, at_s in self._order if item_id in needed), default=ZERO)
         early, before = ZERO, ZERO
         for item_id, number, at_s in self._order:
@@ -577,10 +577,11 @@ class _Tree:
                     early += max(ZERO, before - since)
         return early
 
-    def _all_under(self, item_id: str) -> List[str]:
-        """Return the ids of an item and of all that hangs under it."""
-        below = [each for child in self._under.get(item_id, ()) for each in self._all_under(child.id)]
-        return [item_id, *below]
+    def _giving(self, item_id: str) -> List[str]:
+        """Return the ids of the rows by which an item is given: its own, or those of a section; see `_is_given`."""
+        if self._items[item_id].amount is not Measure.SECTION:
+            return [item_id]
+        return [each for child in self._under.get(item_id, ()) for each in self._giving(child.id)]
 
     # -- points -------------------------------------------------------------------------------------
 

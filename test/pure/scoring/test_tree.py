@@ -54,6 +54,12 @@ def test_a_later_count_needs_another_row_before_it(marks, points):
     assert worth(DOOR, *marks).total == points
 
 
+def test_what_modifies_a_row_does_not_give_it():
+    rows = (*DOOR, row("help", -10, 3, "plate"))
+    marks = [mark("door", at=10), mark("help", at=15), mark("door", at=20), mark("plate", at=30)]
+    assert worth(rows, *marks).total == 200 + 70 - 10
+
+
 SOLVED = (Item("solved", "solved", amount=Measure.PERCENT, points=Decimal(650), each=True, share_of_all=True),
           row("again", -300, None, "solved"),
           Item("help", "help", "solved", amount=Measure.PERCENT, percent=Decimal(-100)))
