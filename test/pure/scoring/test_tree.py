@@ -148,6 +148,12 @@ def test_who_does_not_say_how_long_asks_for_all_that_is_allowed(seconds, points)
     assert found.total == points
 
 
+def test_without_a_limit_who_does_not_say_how_long_gets_no_time():
+    incidents = Happened("inactive", Fraction(60)), Happened("longer time", Fraction(90))
+    marks = mark("done", at=80), mark("done", at=91)
+    assert worth([row("done", 10)], *marks, happened=incidents, incidents=[REMOVED]).total == 10
+
+
 @pytest.mark.parametrize("pauses, points", [
     ([("pause", 70), ("resume", 100)], 20), ([("pause", 70), ("resume", 85)], 10), ([("pause", 70)], 20),
     ([("pause", 50), ("resume", 65)], 10), ([("pause", 50), ("resume", 86)], 20),
