@@ -398,7 +398,7 @@ def test_nobody_advances_without_a_signed_result_or_from_an_unknown_stage(tmp_pa
     place = finals(tmp_path)
     with pytest.raises(Refused, match="Nobody has a signed result in stage 'Tasks'"):
         place.look("advance")
-    with pytest.raises(Refused, match="'Task' from which teams advance: standings.yaml has Tasks: did you mean 'Tasks'"):
+    with pytest.raises(Refused, match="'Task' from which teams advance: .* has Tasks: did you mean 'Tasks'"):
         place.look("advance", stage="Task")
     place = finals(tmp_path, 2)
     assert lines(place.look("advance"), "warnings")[0] == (
