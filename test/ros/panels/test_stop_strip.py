@@ -853,7 +853,7 @@ class TestTouch(StripCase):
 
     def test_a_finger_elsewhere_does_not_keep_stop(self) -> None:
         self.start()
-        self.fingers.put_down(0, QPoint(200, 100))
+        self.fingers.put_down(0, QPoint(200, 500))  # on no list that a touch opens
         self.fingers.put_down(1, self.inside(self.stop))
         self.wait_call("stop_run", "Home A")
 
