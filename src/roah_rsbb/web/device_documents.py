@@ -30,6 +30,7 @@ from roah_rsbb.model.results import EventSeen, JudgedRun, Judging, RunLine, RunS
 from roah_rsbb.model.scoring import INCIDENTS
 from roah_rsbb.model.zone import CONNECTED, ENDED, IDLE, RUNNING, Count, Event, RunClock, SheetItem, ZoneSeen
 from roah_rsbb.protocol import wire_seconds
+from roah_rsbb.web.limits import STUCK_S
 from roah_rsbb.web.numbered import Key, Numbered, NumberedDocument
 from roah_rsbb.web.pairing import DeviceSession, Grant
 from roah_rsbb.web.public_documents import FIXED_TEXTS, Data, Store
@@ -46,8 +47,6 @@ MAX_UNSIGNED = 50
 MAX_TEAM_RUNS = 20
 # Items of a timeline. The sheet of the run has all.
 MAX_TIMELINE = 100
-# A lost connection counts as heard for so long, until it is noticed (`web.serving.STUCK_S`).
-NOTICED_S = 20.0
 
 
 class Absent(NamedTuple):
@@ -219,9 +218,10 @@ def _unsigned_run(run: RunLine, moments: Moments, utc_s: float, absent: Sequence
             "end": with_counting(sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason), run.counts),
             "score": tr_said(run.score),
             # Before the sign-off: on these devices, marks of the run may wait. Whoever was heard after the run was left
-            # and after their last mark had a link then, over which all marks came.
+            # and after their last mark had a link then, over which all marks came. A lost one counts as heard until
+            # that is noticed.
             "unheard": [one.name for one in absent if run.opened_utc_s <= one.seen_utc
-                        < max(run.closed_utc_s or math.inf, one.marked_utc) + NOTICED_S]}
+                        < max(run.closed_utc_s or math.inf, one.marked_utc) + STUCK_S]}
 
 
 def run_name(run: RunLine) -> str:

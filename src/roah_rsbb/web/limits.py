@@ -14,6 +14,8 @@ REQUESTS_AT_ONCE = 1000.0
 MAX_ADDRESSES = 4096
 # Pages and programs that watch at the same time.
 MAX_VIEWERS = 400
+# A reader that has not taken a message for so long is gone, or does not read.
+STUCK_S = 20.0
 # Connections that wait for a request, or for the end of one. A browser opens up to six.
 MAX_CONNECTIONS = 200
 # Addresses of paired devices.

@@ -24,7 +24,7 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 from tornado import httpserver, httputil, iostream, netutil, web, websocket
 
 from roah_rsbb.comm import sockets
-from roah_rsbb.web.limits import ConnectionPlaces, is_own_host
+from roah_rsbb.web.limits import STUCK_S, ConnectionPlaces, is_own_host
 
 LOOPBACK = "127.0.0.1"
 # How often it is tried to open a port.
@@ -46,8 +46,6 @@ FRAMES = 16
 DEFLATED_BYTES = 1024
 _TEXT_AND_FINAL, _DEFLATED = 0x81, 0x40
 _PING = 0x9
-# A reader that has not taken a message for so long is gone, or does not read.
-STUCK_S = 20.0
 # The system would otherwise hold megabytes for a reader that does not read.
 SEND_BUFFER_BYTES = 64 * 1024
 # The first byte of a connection with TLS: a handshake record.

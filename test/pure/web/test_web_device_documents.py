@@ -12,7 +12,8 @@ from roah_rsbb.core.actions.runs import SIGNED_OFF
 from roah_rsbb.model.results import Judging, RunLine
 from roah_rsbb.model.zone import Count, RunClock, SheetItem
 from roah_rsbb.web import device_documents
-from roah_rsbb.web.device_documents import MAX_UNSIGNED, NO_STOP, NOTICED_S, STOP, Absent, Desk
+from roah_rsbb.web.device_documents import MAX_UNSIGNED, NO_STOP, STOP, Absent, Desk
+from roah_rsbb.web.limits import STUCK_S
 from roah_rsbb.web.public_documents import Store
 from roah_rsbb.wording.language import in_language
 
@@ -198,11 +199,11 @@ def test_score_sheets_that_wait_for_a_signature(desk):
 
 
 def test_before_the_sign_off_devices_are_named_on_which_marks_may_wait():
-    later = NOW + 60.0 + NOTICED_S
+    later = NOW + 60.0 + STUCK_S
     absent = [Absent("Anna, Assistant", NOW + 1.0), Absent("Ben, Judge", NOW - 1.0),
               Absent("heard after the run was left", later),
-              Absent("Cleo, Assistant", later + NOTICED_S, later + 1.0),  # marked then, and not heard since
-              Absent("heard after the last mark", later + NOTICED_S, later)]
+              Absent("Cleo, Assistant", later + STUCK_S, later + 1.0),  # marked then, and not heard since
+              Absent("heard after the last mark", later + STUCK_S, later)]
     desk = Desk(Store(ShownBox(zone_of()), {}), tuple, lambda zone: absent if zone == "Home" else [])
     desk.show([("en", "Home")])
     desk.box.show(zone_of(), results=by_identity(
