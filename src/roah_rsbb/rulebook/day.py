@@ -210,10 +210,10 @@ def advance(day: Day, given: Given, teams: Sequence[str], tests: Sequence[Benchm
             begun = {slot.team for event, slot in same.items() if slot.round == number and event not in day.open}
             waiting = [team for team in teams[::-1] if team not in begun]
             places = [same[event] for _, event in planned]
-            if at:
+            zone = given["zone"] or (places[0].zone if places else "")
+            if at and zone:
                 by_s = given["minutes"] * MINUTE_S or planned_s(test) + SET_UP_S
-                zone = _zone(day, given["zone"] or (places[0].zone if places else "")).name
-                places = [PlannedSlot(zone, test.code, "", number, 1, at + place * by_s)
+                places = [PlannedSlot(_zone(day, zone).name, test.code, "", number, 1, at + place * by_s)
                           for place in range(len(waiting))]
                 at += len(waiting) * by_s
             if len(places) < len(waiting):

@@ -388,6 +388,18 @@ def test_a_final_without_planned_events_begins_at_a_time(tmp_path):
         "HWV of Beta: 18:20 instead of 16:30"]
 
 
+def test_a_final_that_has_no_place_asks_for_time_and_zone(tmp_path):
+    place = finals(tmp_path, 1, 3, 2)
+    place.do("insert", zone="Arena", benchmark="HGTKMH", team="Alpha", time="2027-01-15 20:00")
+    for event in ("wa", "wb", "wg"):
+        place.do("remove", event=event)
+    for given in ({}, {"time": "18:00"}):
+        with pytest.raises(Refused, match="2 teams advance, and 0 events of HWV are planned: give the time .* zone"):
+            place.look("advance", **given)
+    assert lines(place.look("advance", time="18:00", zone="Arena"))[1:] == [
+        "HWV of Gamma: 18:00 in zone 'Arena', added", "HWV of Beta: 18:15 in zone 'Arena', added"]
+
+
 def test_who_advances_is_asked_where_nothing_decides(tmp_path):
     place = finals(tmp_path, 2, 2, 2)
     with pytest.raises(Refused, match="Alpha, Beta, Gamma tie, and 2 of them can advance"):
