@@ -25,7 +25,7 @@ from roah_rsbb.rulebook.yaml_fields import (
     text,
 )
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable
-from roah_rsbb.wording.texts import did_you_mean
+from roah_rsbb.wording.texts import did_you_mean, nearest
 
 T = TypeVar("T")
 
@@ -218,9 +218,13 @@ class _Rows:
                                      f"the id of one of them: {', '.join(map(quote, found))}")
         if not self._whole:
             return None  # it may be one that has an error
-        known = dict.fromkeys(word for row_id, row in self.rows.items() for word in (row.item.name, row_id))
+        known = self._words()
         return self.report.error(node.place, f"{quote(name)} as {what}", "the id or the name of a row of this sheet"
                                  + (did_you_mean(name, known) if known else ""))
+
+    def _words(self) -> Tuple[str, ...]:
+        """Return what rows can be named by."""
+        return tuple(dict.fromkeys(word for row_id, row in self.rows.items() for word in (row.item.name, row_id)))
 
     # -- one row ------------------------------------------------------------------------------------
 
@@ -376,15 +380,29 @@ class _Rows:
             report.error(got["after"].place, f"after in {key} without since", "something like 'since: 2'")
         if named is None:
             return None
-        word = ""
-        if "is" in got:
-            choices = tuple(each.name for each in self.rows[named].item.choices)
-            if not choices:
-                report.error(got["is"].place, f"'is' of {quote(self.rows[named].item.name)}, which has no choices",
-                             "an item with choices")
-            else:
-                word = choice(report, got["is"], "is", choices, "one of its choices") or ""
-        return Condition(named, least, word, since or 1, _yes(report, got, "after"), _yes(report, got, "each"))
+        return Condition(named, least, self._choice(named, got.get("is")), since or 1, _yes(report, got, "after"),
+                         _yes(report, got, "each"))
+
+    def fact(self, node: Node, key: str) -> Optional[Condition]:
+        """Read a fact: what is marked in a row, or comes with the incident under a name that is like none of a row."""
+        report, whole = self.report, isinstance(node, Mapping)
+        got = (fields(report, node, key, _FACT, _FACT_OPTIONAL) or {}) if whole else {"fact": node}
+        name = text(report, got.get("fact"), f"fact of {key}" if whole else key)
+        least = exact(report, got.get("least"), f"least of {key}", -MAX_NUMBER, MAX_NUMBER)
+        if name is None:
+            return None
+        if name in self._words() or nearest(name, self._words()) is not None:
+            named = self.named(got["fact"], key)
+            return None if named is None else Condition(named, least, self._choice(named, got.get("is")))
+        return Condition(name, least, text(report, got.get("is"), f"is of {key}") or "")
+
+    def _choice(self, row_id: str, node: Optional[Node]) -> str:
+        """Return the choice of a row that a condition asks for; empty: none."""
+        item = self.rows[row_id].item
+        if node is not None and not item.choices:
+            self.report.error(node.place, f"'is' of {quote(item.name)}, which has no choices", "an item with choices")
+            return ""
+        return choice(self.report, node, "is", tuple(each.name for each in item.choices), "one of its choices") or ""
 
 
 class _Circles:
@@ -462,7 +480,7 @@ class _Incidents:
     def __init__(self, report: Report, node: Optional[Node], tree: _Rows) -> None:
         self._report = report
         self._tree = tree
-        self._places: Dict[str, Node] = {}
+        self._named: List[Tuple[str, str, str, Place]] = []  # incident, key, the one that it names, where
         self._found: Dict[str, Incident] = {}
         if node is None or isinstance(node, Unusable):
             return
@@ -471,17 +489,12 @@ class _Incidents:
             return
         for key, value in node.pairs:
             self._read(key, value)
-        self._check_of(node)
+        if len(self._found) == len(node.pairs):
+            self._check_names()
 
     def found(self) -> Tuple[Incident, ...]:
-        """Return the incidents. Those that only end or extend another one follow it."""
-        found: Dict[str, Incident] = {}
-        for incident in self._found.values():
-            found[incident.name] = incident
-            for other in (*incident.ends, incident.longer_by):
-                if other and other not in self._found:
-                    found.setdefault(other, Incident(other))
-        return tuple(found.values())
+        """Return the incidents."""
+        return tuple(self._found.values())
 
     def _read(self, key: Scalar, node: Node) -> None:
         report = self._report
@@ -490,17 +503,17 @@ class _Incidents:
         if name is None or got is None:
             return
         numbers = {each: exact(report, got.get(each), each, 0, MAX_NUMBER) for each in ("below", "after", "longer")}
-        words = {each: text(report, got.get(each), each) or "" for each in ("of", "longer_by")}
+        words = {each: self._other(got.get(each), name, each) or "" for each in ("of", "longer_by")}
         self._found[name] = Incident(
             name,
             times=integer(report, got.get("times"), "times", 1, MAX_VALUE),
             below=numbers["below"], net=_yes(report, got, "net"),
-            when=_some(report, got, "when", lambda fact: self._fact(fact, "when")),
-            unless=_some(report, got, "unless", lambda fact: self._fact(fact, "unless")),
+            when=_some(report, got, "when", lambda fact: self._tree.fact(fact, "when")),
+            unless=_some(report, got, "unless", lambda fact: self._tree.fact(fact, "unless")),
             voids=one_of(report, got.get("voids"), "voids", _VOIDS, "which marks become void") or Voids.NOTHING,
             marks=self._tree.named(got.get("marks"), "marks") or "",
             scored_after=_yes(report, got, "scored_after"), pauses=_yes(report, got, "pauses"),
-            ends=_some(report, got, "until", lambda end: text(report, end, "until")),
+            ends=_some(report, got, "until", lambda end: self._other(end, name, "until")),
             of=words["of"], after=numbers["after"],
             longer_by=words["longer_by"], longer=numbers["longer"],
             requests=integer(report, got.get("requests"), "requests", 1, MAX_VALUE),
@@ -513,26 +526,19 @@ class _Incidents:
             if one in got and other not in got:
                 report.error(got[one].place, f"{one} without {other} in the incident {quote(name)}",
                              f"something like '{other}: {_INCIDENT[other]}'")
-        if "of" in got:
-            self._places[name] = got["of"]
 
-    def _fact(self, node: Node, key: str) -> Optional[Condition]:
-        report = self._report
-        if not isinstance(node, Mapping):
-            name = text(report, node, key)
-            return None if name is None else Condition(name)
-        got = fields(report, node, key, _FACT, _FACT_OPTIONAL) or {}
-        name = text(report, got.get("fact"), f"fact of {key}")
-        least = exact(report, got.get("least"), f"least of {key}", -MAX_NUMBER, MAX_NUMBER)
-        word = text(report, got.get("is"), f"is of {key}") or ""
-        return None if name is None else Condition(name, least, word)
+    def _other(self, node: Optional[Node], name: str, key: str) -> Optional[str]:
+        """Read the name of another incident."""
+        word = text(self._report, node, key)
+        if word is not None and node is not None:
+            self._named.append((name, key, word, node.place))
+        return word
 
-    def _check_of(self, node: Mapping) -> None:
-        """Check that incidents come by themselves after incidents that there are."""
-        known = [incident.name for incident in self.found()]
-        for name, place in self._places.items():
-            of = self._found[name].of
-            if of and (of not in known or of == name) and len(self._found) == len(node.pairs):
-                others = [each for each in known if each != name]
-                self._report.error(place.place, f"{quote(of)} as of", "another incident of this benchmark"
-                                   + (did_you_mean(of, others) if others else ""))
+    def _check_names(self) -> None:
+        """Check that the incidents are there that others name."""
+        for name, key, word, place in self._named:
+            if word not in self._found or (key == "of" and word == name):
+                others = [each for each in self._found if each != name or key != "of"]
+                expected = f"another incident of this benchmark, also one such as '{word}: {{}}'"
+                self._report.error(place, f"{quote(word)} as {key}",
+                                   expected + (did_you_mean(word, others) if others else ""))

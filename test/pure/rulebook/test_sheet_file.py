@@ -46,9 +46,12 @@ TEXT = HEAD + """\
       items: [ { item: Not attending, points: -500 }, { item: Cheating, points: -500, withholds: Main goal } ]
   incidents:
     restart: { times: 1, below: 40, voids: earlier, until: restarted }
+    restarted: {}
     inactive: { }
     removed: { of: inactive, after: 30, until: active again, longer_by: longer time, longer: 180, requests: 1,
                voids: later }
+    active again: {}
+    longer time: {}
     absent: { marks: Not attending, unless: { fact: announced min before, least: 60 } }
     extra run: { when: audience interference, voids: earlier runs }
 """
@@ -221,6 +224,15 @@ WRONG_INCIDENTS = [
     ("restart: {voids: earliest}", "the text 'earliest' as voids", "did you mean 'earlier'"),
     ("cheating: {marks: Cheatin}", "'Cheatin' as marks", "did you mean 'Cheating'"),
     ("removed: {of: inactiv, after: 3}", "'inactiv' as of", "another incident"),
+    ("{restart: {until: restarte}, restarted: {}}", "'restarte' as until", "did you mean 'restarted'"),
+    ("{removed: {until: [late, removd]}, late: {}}", "'removd' as until", "did you mean 'removed'"),
+    ("restart: {until: again}", "'again' as until", "also one such as 'again: {}': there is 'restart'"),
+    ("{idle: {}, removed: {of: idle, after: 3, longer_by: longr}, longer: {}}", "'longr' as longer_by",
+     "did you mean 'longer'"),
+    ("absent: {unless: Cheatin}", "'Cheatin' as unless", "did you mean 'Cheating'"),
+    ("absent: {when: [else, {fact: Cheatin, least: 2}]}", "'Cheatin' as when", "did you mean 'Cheating'"),
+    ("absent: {when: {fact: How, is: late}}", "the text 'late' as is", "did you mean 'too late'"),
+    ("absent: {when: {fact: Cheating, is: late}}", "'is' of 'Cheating', which has no choices", "an item with choices"),
     ("removed: {after: 3}", "after without of", "of: inactive"),
     ("restart: {net: yes}", "net without below", "below: 40"),
     ("restart: ", "nothing as the incident 'restart'", "a map '{}'"),
@@ -231,9 +243,15 @@ WRONG_INCIDENTS = [
 @pytest.mark.parametrize("text, found, expected", WRONG_INCIDENTS, ids=[each[1] for each in WRONG_INCIDENTS])
 def test_a_mistake_in_incidents(text, found, expected):
     with pytest.raises(ConfigErrors) as caught:
-        _read(_of("{item: Cheating}", incidents=text))
+        _read(_of("{item: Cheating}", "{item: How, choices: [in time, too late]}", incidents=text))
     error, = caught.value.errors
-    assert (error.line, error.found[:len(found)]) == (9, found) and expected in error.expected, error
+    assert (error.line, error.found[:len(found)]) == (10, found) and expected in error.expected, error
+
+
+def test_a_fact_is_a_row_by_its_name_or_its_id_or_comes_with_the_incident():
+    incidents = "absent: {when: [Announced, '7', {fact: Announced, least: 3}, {fact: by whom, is: captain}]}"
+    assert _read(_of("{item: Announced, id: 7}", incidents=incidents)).incidents[0].when == (
+        Condition("7"), Condition("7"), Condition("7", Decimal(3)), Condition("by whom", text="captain"))
 
 
 def _chain(rows):
