@@ -8,7 +8,7 @@ STOP came, which part of the window has failed, and which other zones need the r
 """
 
 import time
-from typing import ClassVar, Dict, List, Optional, Sequence, Tuple
+from typing import Any, ClassVar, Dict, List, Optional, Sequence, Tuple
 
 from roah_rsbb.rqt import basic, process
 from roah_rsbb.rqt.model import Model
@@ -108,22 +108,27 @@ def _draw(button: QPushButton, is_live: bool, word: float, line: str = "", sizes
     painter.drawText(QRectF(0, 0, button.width(), button.height() - high), Qt.AlignCenter, button.text())
 
 
-def _touch(button: QPushButton, event: QEvent) -> bool:
-    """Press a button where a finger touches it, also while another finger is elsewhere: Qt makes a mouse of the first
-    finger only. Returns whether the event was one of a touch."""
-    if event.type() == QEvent.TouchBegin:
-        button.setDown(True)
-        button.pressed.emit()
-    elif event.type() in (QEvent.TouchEnd, QEvent.TouchCancel):
-        button.setDown(False)
-        button.released.emit()
-    elif event.type() != QEvent.TouchUpdate:
-        return False
-    event.accept()
-    return True
+TOUCHES = (QEvent.TouchBegin, QEvent.TouchUpdate, QEvent.TouchEnd, QEvent.TouchCancel)
 
 
-class StopButton(QPushButton):
+class _Touched:
+    """A button that `KeepClear` presses where a finger touches it. Qt would not do it while another finger is
+    elsewhere: it makes a mouse of the first one only, and gives a touch to what is around the button and touched."""
+
+    def touch(self, is_down: bool) -> None:
+        """A finger is put down on it, or lifted."""
+        self.setDown(is_down)
+        (self.pressed if is_down else self.released).emit()
+
+    def event(self, event: QEvent) -> bool:
+        """Let Qt make no mouse of a touch."""
+        if event.type() not in TOUCHES:
+            return super().event(event)
+        event.accept()
+        return True
+
+
+class StopButton(_Touched, QPushButton):
     """STOP."""
 
     def __init__(self) -> None:
@@ -148,9 +153,6 @@ class StopButton(QPushButton):
         """Whether it stops a run now."""
         return self._is_live
 
-    def event(self, event: QEvent) -> bool:
-        return _touch(self, event) or super().event(event)
-
     def keyPressEvent(self, event) -> None:
         """Enter presses it, too: Qt takes the space bar only."""
         if event.key() in (Qt.Key_Return, Qt.Key_Enter) and not event.isAutoRepeat():
@@ -165,7 +167,7 @@ class StopButton(QPushButton):
             _draw(self, self._is_live, WORD, self.hint)
 
 
-class StopAllButton(basic.CommandButton):
+class StopAllButton(_Touched, basic.CommandButton):
     """STOP ALL, which must be held down. `kept` is emitted after KEEP_MS, `too_short` if it is released before."""
 
     kept = Signal()
@@ -207,10 +209,9 @@ class StopAllButton(basic.CommandButton):
         elif self.is_on():
             self.kept.emit()
 
-    def event(self, event: QEvent) -> bool:
-        if event.type() == QEvent.TouchBegin:
-            self._is_by_mouse = False
-        return _touch(self, event) or super().event(event)
+    def touch(self, is_down: bool) -> None:
+        self._is_by_mouse = False
+        super().touch(is_down)
 
     def paintEvent(self, event) -> None:
         _draw(self, self.is_on(), 1.15)
@@ -269,11 +270,6 @@ class StopStrip(QWidget):
 
     def sizeHint(self) -> QSize:
         return self.minimumSizeHint()
-
-    def part_at(self, place: QPoint) -> Optional[QPushButton]:
-        """Return STOP or STOP ALL at a position of the screen."""
-        return next((button for button in (self.stop, self.stop_all)
-                     if button.isVisible() and button.rect().contains(button.mapFromGlobal(place))), None)
 
     def on_screen(self) -> QRect:
         """Return where the strip is on the screen."""
@@ -385,7 +381,7 @@ class StopStrip(QWidget):
 
     def event(self, event: QEvent) -> bool:
         """The palm of a hand on the strip is STOP."""
-        if event.type() in (QEvent.TouchBegin, QEvent.TouchUpdate, QEvent.TouchEnd, QEvent.TouchCancel):
+        if event.type() in TOUCHES:
             contacts = len(event.touchPoints())
             if contacts >= HAND > self._contacts:
                 self._press()
@@ -401,17 +397,6 @@ class StopStrip(QWidget):
         else:
             QApplication.beep()
             self._say(target.why_off)
-
-    def press_at(self, place: QPoint) -> bool:
-        """Press STOP or STOP ALL at a position of the screen, such as below an open menu. Returns whether one is there.
-        """
-        button = self.part_at(place)
-        if button is None:
-            return False
-        where = button.mapFromGlobal(place)
-        QApplication.sendEvent(button, QMouseEvent(
-            QEvent.MouseButtonPress, where, place, Qt.LeftButton, Qt.LeftButton, Qt.NoModifier))
-        return True
 
 
 def strips_in_sight() -> List[QRect]:
@@ -455,14 +440,31 @@ def clear_place(wanted: QRect, strips: List[QRect], screen: QRect) -> QRect:
     return wanted
 
 
+def _stop_at(place: QPoint) -> Optional["_Touched"]:
+    """Return STOP or STOP ALL at a position of the screen, unless something is in front of it."""
+    button = QApplication.widgetAt(place)
+    return button if isinstance(button, _Touched) else None
+
+
+def _close_menus() -> bool:
+    """Close the menus and lists that are open. Returns whether one was."""
+    closed: Optional[QWidget] = None
+    popup = QApplication.activePopupWidget()
+    while popup is not None and popup is not closed:  # a menu of a menu
+        popup.close()
+        closed, popup = popup, QApplication.activePopupWidget()
+    return closed is not None
+
+
 class KeepClear(QObject):
-    """Watches what is open in this process: moves it off the strip, and lets a press on STOP through."""
+    """Watches what is open in this process: moves it off the strip, and lets a press or a touch on STOP through."""
 
     def __init__(self) -> None:
         super().__init__()
         self.popup: Optional[QWidget] = None  # the menu or list that is open, once this has seen it
         self._modal: Optional[QWidget] = None
         self._stand_ins: Dict[StopStrip, StopStrip] = {}  # by the strip that a modal dialog blocks
+        self._fingers: Dict[int, _Touched] = {}  # what each finger keeps down
         self._timer = QTimer(self, timeout=self._look)
         self._timer.start(LOOK_MS)
 
@@ -472,30 +474,51 @@ class KeepClear(QObject):
         self._stand_in(None)
 
     def eventFilter(self, _window: QObject, event: QEvent) -> bool:
-        """Let a press through that a menu would take. Qt sends it to the window of the menu, wherever it is."""
-        if event.type() != QEvent.MouseButtonPress or event.button() != Qt.LeftButton:
+        """Press STOP where a finger touches it, and where the mouse presses it beside an open menu: Qt gives that press
+        to the menu, wherever it is."""
+        if event.type() == QEvent.TouchCancel:
+            for finger in list(self._fingers):
+                self._lift(finger)
+        elif event.type() in TOUCHES:
+            closed = [self._touch(point) for point in event.touchPoints()]
+            return any(closed)
+        elif event.type() == QEvent.MouseButtonPress and event.button() == Qt.LeftButton:
+            place = event.globalPos()
+            button = _stop_at(place)
+            if button is not None and _close_menus():
+                return QApplication.sendEvent(button, QMouseEvent(
+                    QEvent.MouseButtonPress, button.mapFromGlobal(place), place, Qt.LeftButton, Qt.LeftButton,
+                    Qt.NoModifier))
+        return False
+
+    def _touch(self, point: Any) -> bool:
+        """Follow a point of a touch. Returns whether it closed a menu, which must not get it then."""
+        if point.state() == Qt.TouchPointReleased:
+            self._lift(point.id())
+        if point.state() != Qt.TouchPointPressed:
             return False
-        popup = QApplication.activePopupWidget()
-        if popup is None or popup.frameGeometry().contains(event.globalPos()):
+        button = _stop_at(point.screenPos().toPoint())
+        if button is None:
             return False
-        strip = next((one for one in StopStrip.shown if one.part_at(event.globalPos()) is not None), None)
-        if strip is None:
-            return False
-        while popup is not None:  # a menu of a menu
-            popup.close()
-            following = QApplication.activePopupWidget()
-            popup = following if following is not popup else None
-        return strip.press_at(event.globalPos())
+        is_closed = _close_menus()
+        self._fingers[point.id()] = button
+        button.touch(True)
+        return is_closed
+
+    def _lift(self, finger: int) -> None:
+        button = self._fingers.pop(finger, None)
+        if button is not None and button in QApplication.allWidgets():  # not deleted meanwhile
+            button.touch(False)
 
     def _look(self) -> None:
         self.popup = QApplication.activePopupWidget()
         if self.popup is not None and self.popup.windowHandle() is not None:
-            self.popup.windowHandle().installEventFilter(self)
             self._move_off(self.popup)
         self._stand_in(QApplication.activeModalWidget())
         for window in QApplication.topLevelWidgets():
-            if not window.isVisible():
+            if not window.isVisible() or window.windowHandle() is None:
                 continue
+            window.windowHandle().installEventFilter(self)
             if isinstance(window, QDialog) or (isinstance(window, QDockWidget) and not QApplication.mouseButtons()):
                 self._move_off(window)  # but no dock that is being dragged: it may be on its way to another place
             elif window.windowType() == Qt.ToolTip and not window.windowFlags() & Qt.WindowTransparentForInput:

@@ -852,10 +852,32 @@ class TestTouch(StripCase):
         self.assertFalse(self.stop.isDown())
 
     def test_a_finger_elsewhere_does_not_keep_stop(self) -> None:
-        self.start()
-        self.fingers.put_down(0, QPoint(200, 500))  # on no list that a touch opens
-        self.fingers.put_down(1, self.inside(self.stop))
+        beside_stop = self.inside(self.stop) - QPoint(self.stop.width() // 2 + 1, 0)
+        at_the_edge = QPoint(1, self.window.height() // 2)
+        for place in QPoint(200, 500), self.inside(self.control.zones), at_the_edge, beside_stop:
+            with self.subTest(place):
+                self.start()
+                before = self.stops_of("Home A")
+                self.fingers.put_down(0, place)
+                self.fingers.put_down(1, self.inside(self.stop))
+                wait_until(lambda: self.stops_of("Home A") > before, "the run is stopped")  # noqa: B023
+                self.fingers.lift(1)
+                self.fingers.lift(0)
+                self.assertFalse(self.stop.isDown())
+                self.assertEqual(self.stops_of("Home A"), before + 1)
+
+    def test_stop_all_is_held_by_a_finger_while_another_has_a_list_open(self) -> None:
+        self.start("Home A", "Home B")
+        wait_until(self.strip.stop_all.is_on, "STOP ALL is live")
+        self.fingers.put_down(0, self.inside(self.control.zones))
+        self.popup()
+        self.fingers.put_down(1, self.inside(self.strip.stop_all))
+        self.fingers.lift(1)
+        wait_until(lambda: "hold the button down" in self.strip.way.whole, "a tap stops nothing")
+        self.assertEqual(self.core.calls, [])
+        self.fingers.put_down(1, self.inside(self.strip.stop_all))
         self.wait_call("stop_run", "Home A")
+        self.wait_call("stop_run", "Home B")
 
     def test_stop_all_is_held_by_a_finger(self) -> None:
         self.start("Home A", "Home B")
@@ -867,6 +889,22 @@ class TestTouch(StripCase):
         self.fingers.put_down(1, self.inside(self.strip.stop_all))
         self.wait_call("stop_run", "Home A")
         self.wait_call("stop_run", "Home B")
+
+    def test_a_touch_that_an_open_list_gets_is_stop(self) -> None:
+        self.start()
+        click_on(self.control.zones)
+        window = self.popup().window()
+        Fingers(window).put_down(0, window.mapFromGlobal(self.place()))
+        self.wait_call("stop_run", "Home A")
+        self.assertFalse(window.isVisible())
+
+    def test_a_touch_on_the_small_stop(self) -> None:
+        self.start()
+        small = self.small_stop()
+        settle(small)
+        button = small.buttons["Home A"]
+        Fingers(small).put_down(0, button.mapTo(small, button.rect().center()))
+        self.wait_call("stop_run", "Home A")
 
     def test_a_hand_beside_stop_is_stop(self) -> None:
         self.start()
