@@ -210,12 +210,15 @@ def advance(day: Day, given: Given, teams: Sequence[str], tests: Sequence[Benchm
             begun = {slot.team for event, slot in same.items() if slot.round == number and event not in day.open}
             waiting = [team for team in teams[::-1] if team not in begun]
             places = [same[event] for _, event in planned]
+            if given["zone"]:
+                places = [place._replace(zone=_zone(day, given["zone"]).name) for place in places]
             zone = given["zone"] or (places[0].zone if places else "")
-            if at and zone:
+            begin = at or (places[0].scheduled if given["minutes"] and places else 0.0)
+            if begin and zone:
                 by_s = given["minutes"] * MINUTE_S or planned_s(test) + SET_UP_S
-                places = [PlannedSlot(_zone(day, zone).name, test.code, "", number, 1, at + place * by_s)
+                places = [PlannedSlot(_zone(day, zone).name, test.code, "", number, 1, begin + place * by_s)
                           for place in range(len(waiting))]
-                at += len(waiting) * by_s
+                at = at and begin + len(waiting) * by_s
             if len(places) < len(waiting):
                 raise Refused([FEW_PLACES(number=len(waiting), places=len(places), test=test.code)])
             left = {same[event].team: event for _, event in planned}

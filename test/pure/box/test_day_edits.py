@@ -343,6 +343,7 @@ FINALS = """- zone: Home
     - { benchmark: HWV, team: Beta,  round: 1, run: 1, scheduled_time: 2027-01-15 16:30:00, id: wb }
     - { benchmark: HWV, team: Gamma, round: 1, run: 1, scheduled_time: 2027-01-15 17:00:00, id: wg }
 """
+REMOVED = "HWV of Alpha: removed (it was at 16:00 in zone 'Arena')"
 STAGES = """stages:
   - { name: Tasks, of: [ { test: HGTKMH } ], advance: 2, asks: yes }
   - { name: Final ranking, teams: Tasks, of: [ { stage: Tasks }, { test: HWV } ] }
@@ -372,7 +373,7 @@ def test_teams_that_advance_take_the_places_of_the_final_the_best_one_last(tmp_p
     done = place.do("advance")
     assert lines(done) == [
         "Tasks: 2 of 3 advance: Beta, Gamma", "HWV of Gamma: 16:00 instead of 17:00",
-        "HWV of Alpha: removed (it was at 16:00 in zone 'Arena')"]
+        REMOVED]
     assert place.shown == place.in_force == place.written
     place.do("undo", number=1)
     assert set(place.in_force) == set(spots(Place(tmp_path / "again", "- time_zone: UTC\n" + FINALS).configuration
@@ -383,9 +384,21 @@ def test_a_final_without_planned_events_begins_at_a_time(tmp_path):
     place = finals(tmp_path, 1, 3, 2)
     done = place.do("advance", stage="Tasks", time="2027-01-15 18:00", minutes=20)
     assert lines(done)[1:] == [
-        "HWV of Alpha: removed (it was at 16:00 in zone 'Arena')",
+        REMOVED,
         "HWV of Gamma: 18:00 instead of 17:00",
         "HWV of Beta: 18:20 instead of 16:30"]
+
+
+def test_a_planned_final_moves_to_a_zone_or_gets_other_minutes(tmp_path):
+    place = finals(tmp_path, 1, 3, 2)
+    place.do("insert", zone="Arena", benchmark="HGTKMH", team="Alpha", time="2027-01-15 20:00")
+    assert lines(place.look("advance", zone="Home"))[1:] == [
+        "HWV of Gamma: 16:00 in zone 'Home' instead of 17:00 in zone 'Arena'", REMOVED,
+        "HWV of Beta: 16:30 in zone 'Home' instead of 16:30 in zone 'Arena'"]
+    assert lines(place.look("advance", minutes=20))[1:] == [
+        "HWV of Gamma: 16:00 instead of 17:00", REMOVED, "HWV of Beta: 16:20 instead of 16:30"]
+    with pytest.raises(Refused, match="zone"):
+        place.look("advance", zone="Hom")
 
 
 def test_a_final_that_has_no_place_asks_for_time_and_zone(tmp_path):
