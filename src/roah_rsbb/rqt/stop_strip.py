@@ -112,18 +112,32 @@ TOUCHES = (QEvent.TouchBegin, QEvent.TouchUpdate, QEvent.TouchEnd, QEvent.TouchC
 
 
 class _Touched:
-    """A button that `KeepClear` presses where a finger touches it. Qt would not do it while another finger is
-    elsewhere: it makes a mouse of the first one only, and gives a touch to what is around the button and touched."""
+    """A button that is pressed where a finger touches it. `KeepClear` says so, because Qt does not while another finger
+    is elsewhere: it makes a mouse of the first one only, and gives a touch to what is around the button and touched.
+    Where it does, it may be alone: a window that has just appeared is not watched yet."""
 
-    def touch(self, is_down: bool) -> None:
-        """A finger is put down on it, or lifted."""
-        self.setDown(is_down)
-        (self.pressed if is_down else self.released).emit()
+    _touched_ms = -1
+
+    def touch(self, at_ms: int) -> None:
+        """A finger is put down on it, at this time of the window system. May be called twice for a touch."""
+        if at_ms != self._touched_ms:
+            self._touched_ms = at_ms
+            self.setDown(True)
+            self.pressed.emit()
+
+    def lift(self) -> None:
+        """A finger is lifted. May be called twice for a touch."""
+        self.setDown(False)
+        self.released.emit()
 
     def event(self, event: QEvent) -> bool:
-        """Let Qt make no mouse of a touch."""
+        """Follow a touch, and let Qt make no mouse of it."""
         if event.type() not in TOUCHES:
             return super().event(event)
+        if event.type() == QEvent.TouchBegin:
+            self.touch(event.timestamp())
+        elif event.type() != QEvent.TouchUpdate:
+            self.lift()
         event.accept()
         return True
 
@@ -209,9 +223,9 @@ class StopAllButton(_Touched, basic.CommandButton):
         elif self.is_on():
             self.kept.emit()
 
-    def touch(self, is_down: bool) -> None:
+    def touch(self, at_ms: int) -> None:
         self._is_by_mouse = False
-        super().touch(is_down)
+        super().touch(at_ms)
 
     def paintEvent(self, event) -> None:
         _draw(self, self.is_on(), 1.15)
@@ -480,18 +494,20 @@ class KeepClear(QObject):
             for finger in list(self._fingers):
                 self._lift(finger)
         elif event.type() in TOUCHES:
-            closed = [self._touch(point) for point in event.touchPoints()]
+            closed = [self._touch(point, event.timestamp()) for point in event.touchPoints()]
             return any(closed)
-        elif event.type() == QEvent.MouseButtonPress and event.button() == Qt.LeftButton:
+        elif (event.type() == QEvent.MouseButtonPress and event.button() == Qt.LeftButton
+              and QApplication.activePopupWidget() is not None):
             place = event.globalPos()
             button = _stop_at(place)
-            if button is not None and _close_menus():
+            if button is not None:
+                _close_menus()
                 return QApplication.sendEvent(button, QMouseEvent(
                     QEvent.MouseButtonPress, button.mapFromGlobal(place), place, Qt.LeftButton, Qt.LeftButton,
                     Qt.NoModifier))
         return False
 
-    def _touch(self, point: Any) -> bool:
+    def _touch(self, point: Any, at_ms: int) -> bool:
         """Follow a point of a touch. Returns whether it closed a menu, which must not get it then."""
         if point.state() == Qt.TouchPointReleased:
             self._lift(point.id())
@@ -502,13 +518,13 @@ class KeepClear(QObject):
             return False
         is_closed = _close_menus()
         self._fingers[point.id()] = button
-        button.touch(True)
+        button.touch(at_ms)
         return is_closed
 
     def _lift(self, finger: int) -> None:
         button = self._fingers.pop(finger, None)
         if button is not None and button in QApplication.allWidgets():  # not deleted meanwhile
-            button.touch(False)
+            button.lift()
 
     def _look(self) -> None:
         self.popup = QApplication.activePopupWidget()

@@ -898,6 +898,18 @@ class TestTouch(StripCase):
         self.wait_call("stop_run", "Home A")
         self.assertFalse(window.isVisible())
 
+    def test_a_touch_in_a_window_that_is_not_watched_yet(self) -> None:
+        self.start("Home A", "Home B")
+        wait_until(self.strip.stop_all.is_on, "STOP ALL is live")
+        self.client.keep_clear.end()
+        self.window.windowHandle().removeEventFilter(self.client.keep_clear)
+        self.fingers.put_down(0, self.inside(self.stop))
+        self.wait_call("stop_run", "Home A")
+        self.fingers.lift(0)
+        self.assertFalse(self.stop.isDown())
+        self.fingers.put_down(0, self.inside(self.strip.stop_all))
+        self.wait_call("stop_run", "Home B")
+
     def test_a_touch_on_the_small_stop(self) -> None:
         self.start()
         small = self.small_stop()
