@@ -29,6 +29,7 @@ _INCIDENTS = """\
 # What happens in a run besides marks (docs/rules.md). {not_attending} becomes the number of that row on each sheet.
 #incidents:
 #  restart: {times: 1, voids: earlier, until: restarted}
+#  restarted: {}
 #  disqualified: {voids: all}
 #  absent: {marks: "{not_attending}"}
 """

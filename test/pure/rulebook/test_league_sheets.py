@@ -137,7 +137,6 @@ floor of a test: nothing
 rows:
   Plants:
     4: {amount: points, from: 0, to: 300}
-incidents: {absent: {marks: "{not_attending}"}}
 """
 
 
@@ -150,7 +149,8 @@ def test_a_rulebook_is_made_when_all_is_answered(league, tmp_path):
     with pytest.raises(LeagueError, match="3 answers are missing"):
         imported.rulebook_text(book, imported.Answers({}, {}))
 
-    answers.write_text(ANSWERED, encoding="utf-8")
+    proposed = "incidents:" + answers.read_text(encoding="utf-8").partition("#incidents:")[2].replace("\n#", "\n")
+    answers.write_text(ANSWERED + proposed, encoding="utf-8")
     report = Report()
     text = imported.rulebook_text(book, imported.read_answers(report, str(answers)))
     (tmp_path / "benchmarks.yaml").write_text(text, encoding="utf-8")
@@ -161,7 +161,7 @@ def test_a_rulebook_is_made_when_all_is_answered(league, tmp_path):
     assert (rows["2"].under, rows["2"].points, rows["2"].times, rows["1"].least) == ("1", -20, 2, 0)
     assert (rows["4"].amount.value, rows["4"].high, rows["9"].high) == ("points", 300, 29)
     assert rows["Test"].least is None and rows["1"].under == "heading at 1"
-    assert made.sheet.incidents[0].marks == "7"
+    assert {each.name: each for each in made.sheet.incidents}["absent"].marks == "7"
 
 
 @pytest.mark.parametrize("text", ["rows: {Plants: {4: maybe}}", "rows: {Plants: {four: note}}", "floor of a test: 3",
