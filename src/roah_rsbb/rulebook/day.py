@@ -202,6 +202,7 @@ def advance(day: Day, given: Given, teams: Sequence[str], tests: Sequence[Benchm
     Those that are left are removed. With a time, the first event begins there."""
     changes: List[EventChange] = []
     at = moment(given["time"], day.now_utc, 0.0)
+    zone = given["zone"] and _zone(day, given["zone"]).name
     for test in tests:
         same = {event: slot for event, slot in day.slots.items() if slot.benchmark == test.code}
         for number in sorted({slot.round for slot in same.values()} or {1}):
@@ -209,14 +210,12 @@ def advance(day: Day, given: Given, teams: Sequence[str], tests: Sequence[Benchm
                              if slot.round == number and event in day.open)
             begun = {slot.team for event, slot in same.items() if slot.round == number and event not in day.open}
             waiting = [team for team in teams[::-1] if team not in begun]
-            places = [same[event] for _, event in planned]
-            if given["zone"]:
-                places = [place._replace(zone=_zone(day, given["zone"]).name) for place in places]
-            zone = given["zone"] or (places[0].zone if places else "")
+            places = [same[event]._replace(zone=zone or same[event].zone) for _, event in planned]
+            where = places[0].zone if places else zone
             begin = at or (places[0].scheduled if given["minutes"] and places else 0.0)
-            if begin and zone:
+            if begin and where:
                 by_s = given["minutes"] * MINUTE_S or planned_s(test) + SET_UP_S
-                places = [PlannedSlot(_zone(day, zone).name, test.code, "", number, 1, begin + place * by_s)
+                places = [PlannedSlot(where, test.code, "", number, 1, begin + place * by_s)
                           for place in range(len(waiting))]
                 at = at and begin + len(waiting) * by_s
             if len(places) < len(waiting):

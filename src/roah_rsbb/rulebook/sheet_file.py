@@ -391,7 +391,8 @@ class _Rows:
         least = exact(report, got.get("least"), f"least of {key}", -MAX_NUMBER, MAX_NUMBER)
         if name is None:
             return None
-        if name in self._words() or nearest(name, self._words()) is not None:
+        words = self._words()
+        if name in words or nearest(name, words) is not None:
             named = self.named(got["fact"], key)
             return None if named is None else Condition(named, least, self._choice(named, got.get("is")))
         return Condition(name, least, text(report, got.get("is"), f"is of {key}") or "")
